@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <type_traits>
+
+namespace odoless {
+
+/// Closed range of a numeric parameter.
+template <class T>
+struct Range {
+  T min;
+  T max;
+};
+
+/// How parameter structs describe themselves. Each struct `FooParams` keeps its defaults as member initialisers and has
+///
+///   template <class Self, class Visitor>
+///   static void describe(Self& self, Visitor& visit) {
+///     visit.value("cell_size_m", self.cell_size_m, Range{0.1, 20.0}, "Side of an NDT cell.");
+///     visit.flag("refine", self.refine, "Whether a Newton step ends the search.");
+///     visit.choice("strategy", self.strategy, kStrategyNames, "Mutation of Differential Evolution.");
+///     visit.group("grid", self.grid, "The map's grid.");
+///   }
+///
+/// `Self` is the struct or its const form. A value is double, int or std::int64_t; its name ends in its unit.
+/// Configuration files show _rad as _deg and _ns as _ms. A choice is an enumeration that counts from 0, with one name
+/// per enumerator. From this one description come the TOML reader and writer, the range checks and the reference page.
+template <class Params>
+[[nodiscard]] bool parameters_in_range(const Params& params);
+
+namespace detail {
+
+class RangeChecker {
+ public:
+  template <class T>
+  void value(const char*, const T& value, Range<std::type_identity_t<T>> range, const char*) {
+    ok_ = ok_ && value >= range.min && value <= range.max;  // false for NaN
+  }
+  void flag(const char*, const bool&, const char*) {}
+  template <class Enum>
+  void choice(const char*, const Enum& value, std::span<const char* const> names, const char*) {
+    ok_ = ok_ && static_cast<std::size_t>(value) < names.size();
+  }
+  template <class Group>
+  void group(const char*, const Group& group, const char*) {
+    Group::describe(group, *this);
+  }
+  [[nodiscard]] bool ok() const { return ok_; }
+
+ private:
+  bool ok_ = true;
+};
+
+}  // namespace detail
+
+template <class Params>
+bool parameters_in_range(const Params& params) {
+  detail::RangeChecker checker;
+  Params::describe(params, checker);
+  return checker.ok();
+}
+
+}  // namespace odoless

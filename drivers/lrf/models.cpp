@@ -1,0 +1,28 @@
+#include "drivers/lrf/models.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace odoless {
+namespace {
+
+// Figures of the vendors' data sheets; the deviation is the one at 1 to 4 m.
+constexpr std::array<LrfModel, 5> kModels{{
+    {"lms200", 180.0, 181, 5.0, 80.0, 0.015},
+    {"lms200-half", 180.0, 361, 5.0, 80.0, 0.015},
+    {"urg-04lx", 240.0, 683, 10.0, 5.6, 0.010},
+    {"utm-30lx", 270.0, 1081, 40.0, 30.0, 0.010},
+    {"rplidar-a1", 360.0, 360, 5.5, 12.0, 0.020},
+}};
+
+}  // namespace
+
+std::span<const LrfModel> lrf_models() { return kModels; }
+
+const LrfModel* find_lrf_model(std::string_view name) {
+  const auto* const found =
+      std::find_if(kModels.begin(), kModels.end(), [&](const LrfModel& m) { return m.name == name; });
+  return found == kModels.end() ? nullptr : found;
+}
+
+}  // namespace odoless
