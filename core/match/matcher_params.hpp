@@ -80,6 +80,7 @@ struct MatcherParams {
                      .fine_evaluations = 900};
   int refine_steps = 12;
   double score_min = 0.2;
+  double prior_weight = 0.1;
   double second_peak_ratio_max = 0.9;
 
   template <class Self, class Visitor>
@@ -93,6 +94,8 @@ struct MatcherParams {
     visit.value("score_min", self.score_min, Range{0.0, 1.0},
                 "A match whose mean score per point is below is poor: it is retried, and not called converged unless "
                 "that helps.");
+    visit.value("prior_weight", self.prior_weight, Range{0.0, 1.0},
+                "How much more a pose far from the expected one must score to win over a near one.");
     visit.value("second_peak_ratio_max", self.second_peak_ratio_max, Range{0.0, 1.0},
                 "A second peak that scores this share of the best makes the match ambiguous.");
   }

@@ -44,7 +44,7 @@ NdtMatcher::NdtMatcher(const MatcherParams& params)
   ODOLESS_CHECK(parameters_in_range(params));
 }
 
-Result<MatchResult> NdtMatcher::match(MatchReference& reference, const ScanFrame& scan, const Pose2& guess,
+Result<MatchResult> NdtMatcher::match(MatchReference& reference, const ScanFrame& scan, const Expectation& expected,
                                       const Deadline& deadline, Rng& rng) {
   if (reference.empty()) {
     return Errc::kNoReference;
@@ -64,10 +64,11 @@ Result<MatchResult> NdtMatcher::match(MatchReference& reference, const ScanFrame
   scan_.orientations.smooth();
 
   MatchResult result;
-  SearchOutcome outcome = search(reference, guess, deadline, rng, result);
+  const MotionPrior prior{expected.reference_T_scan, expected.sd_m, expected.sd_rad, params_.prior_weight};
+  SearchOutcome outcome = search(reference, prior, deadline, rng, result);
   climb(reference, outcome, result);
   const double before = outcome.best.score;
-  probe(reference, outcome, result.weak_direction);
+  probe({reference.coarse(), reference.fine(), reference.orientations(), prior}, outcome, result.weak_direction);
   if (outcome.best.score > before) {
     climb(reference, outcome, result);
   }
@@ -83,16 +84,16 @@ Result<MatchResult> NdtMatcher::match(MatchReference& reference, const ScanFrame
   return result;
 }
 
-SearchOutcome NdtMatcher::search(MatchReference& reference, const Pose2& guess, const Deadline& deadline, Rng& rng,
-                                 MatchResult& result) {
-  const SearchGround ground{reference.coarse(), reference.fine(), reference.orientations()};
-  SearchOutcome first = search_.run(ground, scan_, guess, deadline, rng);
+SearchOutcome NdtMatcher::search(MatchReference& reference, const MotionPrior& prior, const Deadline& deadline,
+                                 Rng& rng, MatchResult& result) {
+  const SearchGround ground{reference.coarse(), reference.fine(), reference.orientations(), prior};
+  SearchOutcome first = search_.run(ground, scan_, deadline, rng);
   if (!is_poor(first) || first.stop == StopReason::kDeadline) {
     return first;
   }
   result.escalated = true;
-  const SearchGround wide{reference.wide(), reference.fine(), reference.orientations()};
-  SearchOutcome again = retry_.run(wide, scan_, guess, deadline, rng);
+  const SearchGround wide{reference.wide(), reference.fine(), reference.orientations(), prior};
+  SearchOutcome again = retry_.run(wide, scan_, deadline, rng);
   again.evaluations += first.evaluations;
   if (first.best.score >= again.best.score) {
     std::swap(again.best, first.best);
@@ -101,12 +102,12 @@ SearchOutcome NdtMatcher::search(MatchReference& reference, const Pose2& guess, 
   return again;
 }
 
-void NdtMatcher::probe(const MatchReference& reference, SearchOutcome& outcome, Point2 direction) const {
+void NdtMatcher::probe(const SearchGround& ground, SearchOutcome& outcome, Point2 direction) const {
   for (const double sign : {-1.0, 1.0}) {
     SearchPoint start = outcome.best.point;
     start[0] += sign * params_.search.probe_m * direction.x_m;
     start[1] += sign * params_.search.probe_m * direction.y_m;
-    ScoredPoint top = PoseSearch::climb(reference.fine(), scan_.points, start, kProbe_steps, outcome.evaluations);
+    ScoredPoint top = PoseSearch::climb(ground, scan_.points, start, kProbe_steps, outcome.evaluations);
     if (!clearly_apart(top.point, outcome.best.point)) {
       continue;
     }

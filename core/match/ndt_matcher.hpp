@@ -40,6 +40,13 @@ struct MatchResult {
   [[nodiscard]] double seed_fitness() const { return 180.0 * (1.0 - fitness); }
 };
 
+/// Where a scan is expected. The deviations say how far from there the motion may well lead; 0: anywhere in the box.
+struct Expectation {
+  Pose2 reference_T_scan{};
+  double sd_m = 0.0;
+  double sd_rad = 0.0;
+};
+
 /// Matches a scan to a reference by a global search over the NDT score, with no prior but the centre of the box.
 ///
 /// A poor match is tried once more with wide cells, a wider box and every rotation, and says so.
@@ -49,14 +56,14 @@ class NdtMatcher {
  public:
   explicit NdtMatcher(const MatcherParams& params);
 
-  /// Finds `reference_T_scan` near `guess`. Errors: kNoReference, kTooFewReturns, kTooManyBeams.
-  [[nodiscard]] Result<MatchResult> match(MatchReference& reference, const ScanFrame& scan, const Pose2& guess,
+  /// Finds `reference_T_scan` in the box around `expected`. Errors: kNoReference, kTooFewReturns, kTooManyBeams.
+  [[nodiscard]] Result<MatchResult> match(MatchReference& reference, const ScanFrame& scan, const Expectation& expected,
                                           const Deadline& deadline, Rng& rng);
 
  private:
-  [[nodiscard]] SearchOutcome search(MatchReference& reference, const Pose2& guess, const Deadline& deadline, Rng& rng,
-                                     MatchResult& result);
-  void probe(const MatchReference& reference, SearchOutcome& outcome, Point2 direction) const;
+  [[nodiscard]] SearchOutcome search(MatchReference& reference, const MotionPrior& prior, const Deadline& deadline,
+                                     Rng& rng, MatchResult& result);
+  void probe(const SearchGround& ground, SearchOutcome& outcome, Point2 direction) const;
   void climb(const MatchReference& reference, const SearchOutcome& outcome, MatchResult& result) const;
   [[nodiscard]] bool is_poor(const SearchOutcome& outcome) const { return outcome.best.score < params_.score_min; }
 

@@ -13,11 +13,23 @@
 
 namespace odoless {
 
-/// Where to search: what the reference scores, and how its surfaces lie.
+/// Where the scan is expected, and how firmly. The box is centred there; a pose far from it, in deviations, must score
+/// up to `weight` more than a near one to win.
+struct MotionPrior {
+  Pose2 reference_T_scan{};
+  double sd_m = 0.0;  ///< 0: no expectation within the box
+  double sd_rad = 0.0;
+  double weight = 0.0;
+
+  [[nodiscard]] double penalty(const SearchPoint& pose) const;
+};
+
+/// Where to search: what the reference scores, how its surfaces lie, and what is expected.
 struct SearchGround {
   const ScoreRaster& coarse;
   const ScoreRaster& fine;
   const OrientationHistogram& reference_orientations;
+  const MotionPrior& prior;
 };
 
 /// What is searched for: a scan, in its own frame.
@@ -43,11 +55,11 @@ class PoseSearch {
  public:
   PoseSearch(const SearchParams& params, int points_max);
 
-  [[nodiscard]] SearchOutcome run(const SearchGround& ground, const SearchedScan& scan, const Pose2& guess,
-                                  const Deadline& deadline, Rng& rng);
+  [[nodiscard]] SearchOutcome run(const SearchGround& ground, const SearchedScan& scan, const Deadline& deadline,
+                                  Rng& rng);
 
-  /// Climbs from `start` to the peak of `raster` near it with at most `steps` evaluations (counted in `evaluations`).
-  [[nodiscard]] static ScoredPoint climb(const ScoreRaster& raster, const PointSet& points, const SearchPoint& start,
+  /// Climbs from `start` to the peak of the fine raster near it with about `steps` evaluations, added to `evaluations`.
+  [[nodiscard]] static ScoredPoint climb(const SearchGround& ground, const PointSet& points, const SearchPoint& start,
                                          int steps, int& evaluations);
 
  private:
@@ -57,7 +69,6 @@ class PoseSearch {
   [[nodiscard]] std::optional<ScoredPoint> second_peak(const Objective& fine, const ScoredPoint& best);
 
   SearchParams params_;
-  SearchBox box_;
   PointSet subset_;
   AngleProposal angles_;
   DifferentialEvolution evolution_;

@@ -70,6 +70,7 @@ class DifferentialEvolution {
   void offer(const SearchPoint& point, double score);
 
   [[nodiscard]] std::span<DeMember> population() { return {members_.data(), static_cast<std::size_t>(size_)}; }
+  [[nodiscard]] const SearchBox& box() const { return box_; }
   [[nodiscard]] const DeMember& best() const { return members_[static_cast<std::size_t>(best_)]; }
   /// To be called after members were changed through `population`.
   void find_best();

@@ -22,8 +22,9 @@ double radical_inverse(int index, int base) {
 void SearchBox::reflect(SearchPoint& point) const {
   for (std::size_t i = 0; i < point.size(); ++i) {
     const double h = half_size[i];
-    if (std::abs(point[i]) > h) {
-      point[i] = std::clamp(std::copysign(2.0 * h, point[i]) - point[i], -h, h);
+    const double offset = point[i] - centre[i];
+    if (std::abs(offset) > h) {
+      point[i] = centre[i] + std::clamp(std::copysign(2.0 * h, offset) - offset, -h, h);
     }
   }
 }
@@ -31,7 +32,7 @@ void SearchBox::reflect(SearchPoint& point) const {
 SearchPoint SearchBox::at(const SearchPoint& fractions) const {
   SearchPoint point{};
   for (std::size_t i = 0; i < point.size(); ++i) {
-    point[i] = (2.0 * fractions[i] - 1.0) * half_size[i];
+    point[i] = centre[i] + (2.0 * fractions[i] - 1.0) * half_size[i];
   }
   return point;
 }

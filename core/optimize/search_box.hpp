@@ -6,11 +6,12 @@
 
 namespace odoless {
 
-/// A motion sought, relative to the guess: (x_m, y_m, yaw_rad).
+/// A pose sought: (x_m, y_m, yaw_rad).
 using SearchPoint = std::array<double, 3>;
 
-/// Axis-aligned box of motions, symmetric about zero.
+/// Axis-aligned box of poses.
 struct SearchBox {
+  SearchPoint centre{};
   SearchPoint half_size{2.0, 2.0, 1.5};
 
   /// Brings every coordinate back into the box by reflection at its walls.
