@@ -12,6 +12,8 @@ struct Range {
   T min;
   T max;
 };
+template <class T>
+Range(T, T) -> Range<T>;  // clang 14 does not deduce aggregates by itself
 
 /// How parameter structs describe themselves. Each struct `FooParams` keeps its defaults as member initialisers and has
 ///
