@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/check.hpp"
 
 namespace odoless {
 namespace {
+
+/// 90 deg, with room for rounding. The arc of a sharper turn would begin far before its way point.
+constexpr double kSharpestArcRad = std::numbers::pi / 2.0 + 1e-6;
 
 struct Leg {
   double length_m;
@@ -28,9 +32,12 @@ struct Corner {
 
 Corner corner_between(const Leg& before, const Leg& after, double wanted_radius_m) {
   const double turn_rad = wrap_angle(after.yaw_rad - before.yaw_rad);
+  if (turn_rad == 0.0 || std::abs(turn_rad) > kSharpestArcRad) {
+    return {.turn_rad = turn_rad};
+  }
   const double cut_per_radius = std::tan(std::abs(turn_rad) / 2.0);
   const double cut_m = std::min(wanted_radius_m * cut_per_radius, std::min(before.length_m, after.length_m) / 2.0);
-  return {turn_rad, turn_rad == 0.0 ? 0.0 : cut_m / cut_per_radius, cut_m};
+  return {turn_rad, cut_m / cut_per_radius, cut_m};
 }
 
 /// start_T_robot after `time_s` with constant speed and turn rate.

@@ -7,7 +7,8 @@
 
 namespace odoless {
 
-/// The motion through way points: straight legs, joined by arcs (or turns on the spot where the corner's radius is 0).
+/// The motion through way points: straight legs, joined by arcs, or by turns on the spot where the corner's radius is 0
+/// or the turn is sharper than 90 deg.
 ///
 /// Each leg keeps its speed. An arc is driven at that of the leg after it, or slower where that would exceed the bound
 /// of the turn rate; its radius shrinks where it would take more than half of a leg. The pose is continuous, speed and

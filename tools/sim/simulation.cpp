@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <ostream>
 
 #include "tools/sim/carmen_writer.hpp"
 #include "tools/sim/path.hpp"
@@ -18,19 +17,20 @@ std::string tum_line(double stamp_s, const Pose2& world_T_robot) {
 
 }  // namespace
 
-SimulationSummary simulate(const World& world, SimulatedLrf& lrf, std::ostream& log, std::ostream& truth) {
+Simulation simulate(const World& world, const SimulatedLrfParams& params, std::uint64_t seed) {
   const Path path(world.waypoints);
-  SimulationSummary summary{.duration_s = path.duration_s(), .length_m = path.length_m()};
-  const double period_ns = 1e9 / lrf.params().rate_hz;
+  SimulatedLrf lrf(params, seed);
+  const double period_ns = 1e9 / params.rate_hz;
+  Simulation simulation{.log = {}, .truth = {}, .duration_s = path.duration_s(), .length_m = path.length_m()};
   while (true) {
-    const std::int64_t stamp_ns = std::llround(static_cast<double>(summary.scans) * period_ns);
+    const std::int64_t stamp_ns = std::llround(simulation.scans * period_ns);
     const double stamp_s = static_cast<double>(stamp_ns) * 1e-9;
     if (stamp_s > path.duration_s()) {
-      return summary;
+      return simulation;
     }
-    log << carmen_line(lrf, lrf.sweep(world, path, stamp_s), stamp_ns);
-    truth << tum_line(stamp_s, path.at(stamp_s));
-    ++summary.scans;
+    simulation.log += carmen_line(lrf, lrf.sweep(world, path, stamp_s), stamp_ns);
+    simulation.truth += tum_line(stamp_s, path.at(stamp_s));
+    ++simulation.scans;
   }
 }
 

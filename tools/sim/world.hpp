@@ -29,9 +29,9 @@ struct Waypoint {
 
 /// A flat world of surfaces, and the path that a robot takes through it.
 struct World {
-  std::vector<Segment> segments;
-  std::vector<Pillar> pillars;
-  std::vector<Waypoint> waypoints;
+  std::vector<Segment> segments{};
+  std::vector<Pillar> pillars{};
+  std::vector<Waypoint> waypoints{};
 };
 
 /// The four sides of a rectangle; its middle and direction are `world_T_rectangle`.

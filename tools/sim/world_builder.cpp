@@ -9,18 +9,18 @@
 
 namespace odoless {
 
-void WorldBuilder::add_waypoint(const Point2& position, int line) {
+void WorldBuilder::add_waypoint(const Point2& position) {
   if (!world_.waypoints.empty()) {
     const Point2& last = world_.waypoints.back().position;
     if (std::hypot(position.x_m - last.x_m, position.y_m - last.y_m) < 1e-3) {
-      throw DataError(name_, line,
+      throw DataError(name_, line_,
                       fmt::format("way point {} {} is where the one before it is", position.x_m, position.y_m),
                       "successive way points at least 1 mm apart");
     }
   }
   world_.waypoints.push_back(motion_);
   world_.waypoints.back().position = position;
-  waypoint_lines_.push_back(line);
+  waypoint_lines_.push_back(line_);
 }
 
 void WorldBuilder::open(const Door& door) {

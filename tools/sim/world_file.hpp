@@ -9,7 +9,7 @@
 namespace odoless {
 
 /// Reads a world file; tools/worlds/README.md describes the format.
-/// @throws NoInputError when it cannot be read, and what parse_world throws.
+/// @throws NoInputError when it cannot be opened, IoError when it cannot be read, and what parse_world throws.
 [[nodiscard]] World read_world(const std::filesystem::path& file);
 
 /// The same for a text in memory; `name` stands in messages.
