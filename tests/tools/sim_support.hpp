@@ -1,6 +1,8 @@
 #pragma once
 
+#include <filesystem>
 #include <numbers>
+#include <string>
 
 #include "core/base/rng.hpp"
 #include "tools/sim/world.hpp"
@@ -8,6 +10,11 @@
 namespace odoless::test {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+/// One of the example worlds of the source tree.
+inline std::filesystem::path example_world(const std::string& name) {
+  return std::filesystem::path(__FILE__).parent_path() / "../../tools/worlds" / name;
+}
 
 /// The world and its path, seen from a frame in which it stands at `new_T_old`.
 inline World transformed(const Pose2& new_T_old, World world) {

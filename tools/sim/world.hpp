@@ -22,9 +22,8 @@ struct Pillar {
 struct Waypoint {
   Point2 position;  ///< world frame
   double speed_mps = 0.5;
-  double turn_rate_radps = 0.8;  ///< bound of the turn rate
-  double corner_radius_m =
-      0.25;  ///< of the arc that rounds the corner where the leg to this point begins; 0: turn on the spot
+  double turn_rate_radps = 0.8;   ///< bound of the turn rate
+  double corner_radius_m = 0.25;  ///< of the arc before the leg to this point; 0: turn on the spot
 };
 
 /// A flat world of surfaces, and the path that a robot takes through it.
