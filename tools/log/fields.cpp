@@ -76,7 +76,7 @@ float Fields::range_m(std::size_t index) const {
 std::size_t Fields::count(std::size_t index, std::size_t max, const char* what) const {
   std::size_t value = 0;
   if (!parse(fields_[index], value) || value > max) {
-    fail_field(index, fmt::format("{}, a whole number of at most {} on this line", what, max));
+    fail_field(index, fmt::format("{}, a whole number of at most {}", what, max));
   }
   return value;
 }
