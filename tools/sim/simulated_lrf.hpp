@@ -25,7 +25,7 @@ struct SimulatedLrfParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value(
-        "field_of_view_rad", self.field_of_view_rad, Range{0.01, 2.0 * std::numbers::pi},
+        "field_of_view_rad", self.field_of_view_rad, Range{std::numbers::pi / 180.0, 2.0 * std::numbers::pi},
         "Angle between the first beam and the last; a full circle has its last beam one step before the first.");
     visit.value("beams", self.beams, Range{2, 16384}, "Beams of one scan.");
     visit.value("rate_hz", self.rate_hz, Range{0.01, 1000.0}, "Scans per second.");
