@@ -9,6 +9,7 @@
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
 #include "tools/command/info.hpp"
+#include "tools/command/sim.hpp"
 
 namespace odoless {
 namespace {
@@ -22,6 +23,7 @@ constexpr int kInputOutput = 74;
 void add_commands(CLI::App& app) {
   add_info(app);
   add_eval(app);
+  add_sim(app);
 }
 
 int fail(int exit_code, const char* what, const char* reason) {
