@@ -51,6 +51,8 @@ void AncestryTree::retain(std::span<const int> copies) {
 
 void AncestryTree::branch(std::span<const int> copies) {
   ODOLESS_CHECK(copies.size() == leaf_count_);
+  pruned_.clear();
+  merged_.clear();
   old_leaves_.swap(leaves_);
   std::size_t count = 0;
   for (std::size_t i = 0; i < copies.size(); ++i) {

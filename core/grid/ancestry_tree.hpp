@@ -45,7 +45,7 @@ class AncestryTree {
   void retain(std::span<const int> copies);
 
   /// Makes copies[i] particles of each survivor i, numbered from 0 in the order of their parents; at most
-  /// `particles_max` in all. `copies` are those that `retain` was given, or all ones for no change.
+  /// `particles_max` in all. `copies` are those that `retain` was given. Forgets what `pruned` and `merged` said.
   void branch(std::span<const int> copies);
 
   [[nodiscard]] int particles() const { return static_cast<int>(leaf_count_); }
