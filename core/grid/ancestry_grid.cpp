@@ -10,22 +10,19 @@
 namespace odoless {
 namespace {
 
-int cells_over(double extent_m, double resolution_m) {
-  return std::max(1, static_cast<int>(std::ceil(extent_m / resolution_m - 1e-9)));
+std::uint32_t tiles_over(double extent_m, double resolution_m) {
+  const double tile_m = resolution_m * AncestryGrid::kTileSide_cells;
+  return static_cast<std::uint32_t>(std::max(1.0, std::ceil(extent_m / tile_m - 1e-9)));
 }
 
-std::uint32_t tiles_over(int cells) {
-  return static_cast<std::uint32_t>((cells + AncestryGrid::kTileSide_cells - 1) / AncestryGrid::kTileSide_cells);
-}
+int cells_of(std::uint32_t tiles) { return static_cast<int>(tiles) * AncestryGrid::kTileSide_cells; }
 
 }  // namespace
 
 AncestryGrid::AncestryGrid(const AncestryGridParams& params, int particles_max)
-    : geometry_{.resolution_m = params.resolution_m,
-                .columns = cells_over(params.width_m, params.resolution_m),
-                .rows = cells_over(params.height_m, params.resolution_m)},
-      tile_columns_(tiles_over(geometry_.columns)),
-      tile_rows_(tiles_over(geometry_.rows)),
+    : tile_columns_(tiles_over(params.width_m, params.resolution_m)),
+      tile_rows_(tiles_over(params.height_m, params.resolution_m)),
+      geometry_{.resolution_m = params.resolution_m, .columns = cells_of(tile_columns_), .rows = cells_of(tile_rows_)},
       tree_(particles_max),
       leaves_max_(static_cast<std::size_t>(particles_max)) {
   ODOLESS_CHECK(parameters_in_range(params));

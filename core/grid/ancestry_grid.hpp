@@ -23,8 +23,9 @@ struct AncestryGridParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("resolution_m", self.resolution_m, Range{0.005, 1.0}, "Side of a map cell.");
-    visit.value("width_m", self.width_m, Range{1.0, 2000.0}, "Extent of the map along x; it starts at its centre.");
-    visit.value("height_m", self.height_m, Range{1.0, 2000.0}, "Extent of the map along y; it starts at its centre.");
+    visit.value("width_m", self.width_m, Range{1.0, 2000.0},
+                "Extent of the map along x, rounded up to whole tiles; the run starts at its centre.");
+    visit.value("height_m", self.height_m, Range{1.0, 2000.0}, "Extent of the map along y, as for x.");
     visit.value("tiles_max", self.tiles_max, Range{16, 4'000'000},
                 "Pool of observed tiles of 16 x 16 cells, shared by all particles' maps; 2 KiB each.");
   }
@@ -136,9 +137,9 @@ class AncestryGrid {
   void move_versions(Owner from, Owner to, bool from_is_newer);
   [[nodiscard]] Version find_beside(Version version, Owner owner, bool below) const;
 
-  GridGeometry geometry_;
   std::uint32_t tile_columns_;
   std::uint32_t tile_rows_;
+  GridGeometry geometry_;
   AncestryTree tree_;
   std::size_t leaves_max_;
   std::vector<Tile> tiles_;      ///< by version

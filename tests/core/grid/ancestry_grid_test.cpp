@@ -9,7 +9,7 @@
 namespace odoless {
 namespace {
 
-constexpr int kSide_cells = 70;  // several tiles, the last ones cut by the border
+constexpr int kSide_cells = 80;  // five tiles
 
 AncestryGridParams small_grid(int tiles_max = 4000) {
   return {.resolution_m = 0.1, .width_m = 0.1 * kSide_cells, .height_m = 0.1 * kSide_cells, .tiles_max = tiles_max};
@@ -162,8 +162,8 @@ TEST(AncestryGrid, WritesOccupancyOfTheKnownTilesWithTheirPlaceInTheMap) {
   grid.write_occupancy(0, 0.01, map);
   EXPECT_EQ(map.width_cells, 16);
   EXPECT_EQ(map.height_cells, 16);
-  EXPECT_NEAR(map.origin_x_m, -3.5 + 1.6, 1e-12);
-  EXPECT_NEAR(map.origin_y_m, -3.5 + 3.2, 1e-12);
+  EXPECT_NEAR(map.origin_x_m, -4.0 + 1.6, 1e-12);
+  EXPECT_NEAR(map.origin_y_m, -4.0 + 3.2, 1e-12);
   EXPECT_EQ(map.at(4, 8), 63);  // 1 - 1/e
   EXPECT_EQ(map.at(5, 8), 0);
   EXPECT_EQ(map.at(6, 8), OccupancyMap::kUnknown);
