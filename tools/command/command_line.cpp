@@ -1,0 +1,73 @@
+#include "tools/command/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <system_error>
+
+#include "tools/command/error.hpp"
+#include "tools/command/eval.hpp"
+#include "tools/command/info.hpp"
+#include "tools/command/sim.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr int kUsage = 64;
+constexpr int kSoftware = 70;
+constexpr int kSystem = 71;
+constexpr int kInputOutput = 74;
+
+/// Every sub-command, in the order of --help. A new one: its own tools/command/NAME.hpp and .cpp, and a line here.
+void add_commands(CLI::App& app) {
+  add_info(app);
+  add_eval(app);
+  add_sim(app);
+}
+
+int fail(int exit_code, const char* what, const char* reason) {
+  static_cast<void>(std::fprintf(stderr, "odoless: %s%s\n", what, reason));
+  return exit_code;
+}
+
+void flush_output() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    throw IoError("standard output: writing failed");
+  }
+}
+
+int parse_and_run(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsage;  // prints the help, the version, or what is wrong with the arguments
+  }
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  try {
+    CLI::App app("SLAM for robots without odometry: one laser range finder, nothing else", "odoless");
+    app.set_version_flag("--version", "odoless " ODOLESS_VERSION);
+    app.require_subcommand(1);
+    app.set_help_all_flag("--help-all", "Print the help of every sub-command");
+    app.failure_message(CLI::FailureMessage::simple);
+    add_commands(app);
+    const int status = parse_and_run(app, argc, argv);
+    flush_output();
+    return status;
+  } catch (const UserError& error) {
+    return fail(error.exit_code(), "", error.what());
+  } catch (const std::system_error& error) {
+    return fail(kInputOutput, "", error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(kSystem, "", "out of memory");
+  } catch (const std::exception& error) {
+    return fail(kSoftware, "internal error: ", error.what());
+  }
+}
+
+}  // namespace odoless

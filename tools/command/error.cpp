@@ -1,0 +1,11 @@
+#include "tools/command/error.hpp"
+
+#include <fmt/core.h>
+
+namespace odoless {
+
+DataError::DataError(const std::string& file, int line, const std::string& wrong, const std::string& right)
+    : UserError(65, line > 0 ? fmt::format("{}:{}: {}; expected {}", file, line, wrong, right)
+                             : fmt::format("{}: {}; expected {}", file, wrong, right)) {}
+
+}  // namespace odoless

@@ -1,0 +1,118 @@
+#include "tools/command/eval.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "tools/command/error.hpp"
+#include "tools/eval/report.hpp"
+
+namespace odoless {
+namespace {
+
+struct EvalOptions {
+  std::string reference;
+  std::string estimate;
+  Association association;
+  double gross_m = 0.2;
+  double gross_deg = 5.0;
+  bool json = false;
+};
+
+void print(const Report& report, bool json) { fmt::print("{}\n", json ? report.json.dump(2) : report.text); }
+
+/// What to say when nothing of the estimate meets the reference.
+[[noreturn]] void fail_unmatched(const EvalOptions& options, std::size_t missing) {
+  throw DataError(
+      options.estimate, 0,
+      fmt::format("none of {} comparisons finds its poses within {} s", missing, options.association.tolerance_s),
+      fmt::format("stamps of the same clock as in {} (--tolerance-s widens the search)", options.reference));
+}
+
+template <class Result>
+void finish(const EvalOptions& options, const Result& result) {
+  if (result.used == 0) {
+    fail_unmatched(options, result.missing);
+  }
+  print(report(result), options.json);
+}
+
+void run_relations(const EvalOptions& options) {
+  const auto relations = read_relations(options.reference);
+  const ReferencePoses estimate = read_reference_poses(options.estimate);
+  finish(options, evaluate_relations(relations, estimate.poses, options.association));
+}
+
+void run_ate(const EvalOptions& options) {
+  const ReferencePoses reference = read_reference_poses(options.reference);
+  const ReferencePoses estimate = read_reference_poses(options.estimate);
+  finish(options, evaluate_ate(reference.poses, estimate.poses, options.association));
+}
+
+void run_pairs(const EvalOptions& options) {
+  const PairsParams params{.association = options.association,
+                           .gross_translation_m = options.gross_m,
+                           .gross_rotation_rad = to_rad(options.gross_deg)};
+  const ReferencePoses reference = read_reference_poses(options.reference);
+  finish(options, evaluate_pairs(reference, read_matches(options.estimate), params));
+}
+
+using Options = std::shared_ptr<EvalOptions>;
+
+CLI::App* add_kind(CLI::App& eval, const Options& options, const char* name, const char* summary) {
+  CLI::App* const command = eval.add_subcommand(name, summary);
+  command->add_option("--tolerance-s", options->association.tolerance_s, "Stamps further apart do not belong together")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command
+      ->add_option("--laser-x-m", options->association.laser_x_m,
+                   "Laser's place before the robot's centre, when the reference tells that centre")
+      ->check(CLI::Range(-10.0, 10.0))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Write one JSON object instead of text");
+  return command;
+}
+
+void add_relations(CLI::App& eval) {
+  auto options = std::make_shared<EvalOptions>();
+  CLI::App* const command =
+      add_kind(eval, options, "relations", "Compare with hand-verified motions (Kuemmerle et al. 2009)");
+  command->add_option("REL", options->reference, "Relations: t1 t2 x y z roll pitch yaw")->required();
+  command->add_option("TRAJ", options->estimate, "Estimated trajectory: TUM, or stamp x y yaw")->required();
+  command->callback([options] { run_relations(*options); });
+}
+
+void add_ate(CLI::App& eval) {
+  auto options = std::make_shared<EvalOptions>();
+  CLI::App* const command = add_kind(eval, options, "ate", "Absolute trajectory error after rigid alignment");
+  command->add_option("REF", options->reference, "Reference: trajectory, or log with poses")->required();
+  command->add_option("TRAJ", options->estimate, "Estimated trajectory: TUM, or stamp x y yaw")->required();
+  command->callback([options] { run_ate(*options); });
+}
+
+void add_pairs(CLI::App& eval) {
+  auto options = std::make_shared<EvalOptions>();
+  CLI::App* const command = add_kind(eval, options, "pairs", "Errors of pairwise matches, and gross failures");
+  command->add_option("REF_LOG", options->reference, "Reference: log with poses, or trajectory")->required();
+  command->add_option("MATCHES", options->estimate, "matches.csv of `odoless match` or `odoless replay`")->required();
+  command->add_option("--gross-m", options->gross_m, "A match further off is a gross failure")
+      ->check(CLI::Range(1e-6, 1e6))
+      ->capture_default_str();
+  command->add_option("--gross-deg", options->gross_deg, "A match turned further off is a gross failure")
+      ->check(CLI::Range(1e-6, 180.0))
+      ->capture_default_str();
+  command->callback([options] { run_pairs(*options); });
+}
+
+}  // namespace
+
+void add_eval(CLI::App& app) {
+  CLI::App* const eval = app.add_subcommand("eval", "Measure an estimate against a reference");
+  eval->require_subcommand(1);
+  add_relations(*eval);
+  add_ate(*eval);
+  add_pairs(*eval);
+}
+
+}  // namespace odoless

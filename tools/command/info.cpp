@@ -1,0 +1,88 @@
+#include "tools/command/info.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "tools/log/log_info.hpp"
+
+namespace odoless {
+namespace {
+
+struct InfoOptions {
+  std::string log;
+  bool json = false;
+  std::int64_t period_ms = kDefaultPeriodNs / 1'000'000;
+};
+
+double to_deg(double angle_rad) { return angle_rad * 180.0 / std::numbers::pi; }
+
+nlohmann::ordered_json to_json(const LogInfo& info) {
+  return {{"format", info.format},
+          {"scans", info.scans},
+          {"beams_min", info.beams_min},
+          {"beams_max", info.beams_max},
+          {"angle_min_rad", info.angle_min_rad},
+          {"angle_max_rad", info.angle_max_rad},
+          {"angle_step_min_rad", info.angle_step_min_rad},
+          {"angle_step_max_rad", info.angle_step_max_rad},
+          {"has_stamps", info.has_stamps},
+          {"stamps_backwards", info.stamps_backwards},
+          {"duration_s", info.duration_s},
+          {"rate_hz", info.rate_hz},
+          {"return_share", info.return_share},
+          {"no_return_share", info.no_return_share},
+          {"invalid_share", info.invalid_share},
+          {"range_min_m", info.range_min_m},
+          {"range_median_m", info.range_m.median},
+          {"range_max_m", info.range_m.max}};
+}
+
+template <class Number>
+std::string span_text(Number min, Number max, const char* format) {
+  const std::string low = fmt::format(fmt::runtime(format), min);
+  const std::string high = fmt::format(fmt::runtime(format), max);
+  return low == high ? low : fmt::format("{} to {}", low, high);
+}
+
+void print_text(const LogInfo& info) {
+  fmt::print("format    {}\n", info.format);
+  fmt::print("scans     {}\n", info.scans);
+  fmt::print("beams     {}\n", span_text(info.beams_min, info.beams_max, "{}"));
+  fmt::print("angles    {:.2f} to {:.2f} deg, step {} deg\n", to_deg(info.angle_min_rad), to_deg(info.angle_max_rad),
+             span_text(to_deg(info.angle_step_min_rad), to_deg(info.angle_step_max_rad), "{:.4f}"));
+  fmt::print("duration  {:.1f} s, {:.2f} scans per second\n", info.duration_s, info.rate_hz);
+  fmt::print("stamps    {}\n",
+             info.has_stamps ? fmt::format("yes, {} go backwards", info.stamps_backwards) : "none: index x period");
+  fmt::print("beams     {:.1f} % returns, {:.1f} % no return, {:.1f} % invalid\n", 100.0 * info.return_share,
+             100.0 * info.no_return_share, 100.0 * info.invalid_share);
+  fmt::print("ranges    {:.2f} m least, {:.2f} m median, {:.2f} m most\n", info.range_min_m, info.range_m.median,
+             info.range_m.max);
+}
+
+void run(const InfoOptions& options) {
+  const LogInfo info = summarise(read_scan_log(options.log, options.period_ms * 1'000'000), options.log);
+  if (options.json) {
+    fmt::print("{}\n", to_json(info).dump(2));
+  } else {
+    print_text(info);
+  }
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* const command = app.add_subcommand("info", "Say what a recorded log holds");
+  command->add_option("LOG", options->log, "Recorded log: CARMEN, DP-SLAM or CSV, also .gz or .xz")->required();
+  command->add_option("--period-ms", options->period_ms, "Time between scans of a log without stamps")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Write one JSON object instead of text");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace odoless

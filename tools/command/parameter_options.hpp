@@ -1,0 +1,58 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <numbers>
+#include <string>
+#include <type_traits>
+
+#include "core/base/parameters.hpp"
+
+namespace odoless {
+
+/// Makes one command-line option of each parameter that a struct describes, with its default, range and sentence:
+/// `noise_sd_m` becomes --noise-sd-m. Angles are given in degrees: `field_of_view_rad` becomes --field-of-view-deg.
+///
+/// The struct must outlive the parsing of the command line, which writes to it option by option, in the order of their
+/// definition.
+class ParameterOptions {
+ public:
+  explicit ParameterOptions(CLI::App& command) : command_(command) {}
+
+  template <class T>
+  void value(const std::string& name, T& value, Range<std::type_identity_t<T>> range, const char* sentence) {
+    if (name.ends_with("_rad")) {
+      add<T>(name.substr(0, name.size() - 3) + "deg", value, range, sentence, 180.0 / std::numbers::pi);
+    } else {
+      add<T>(name, value, range, sentence, 1);
+    }
+  }
+
+  void flag(const std::string& name, bool& value, const char* sentence) {
+    command_.add_flag(dashed(name), value, sentence);
+  }
+
+ private:
+  template <class T>
+  void add(const std::string& name, T& value, Range<T> range, const char* sentence, auto shown_per_inner) {
+    const auto shown = [=](T inner) { return static_cast<T>(inner * shown_per_inner); };
+    command_
+        .add_option_function<T>(
+            dashed(name),
+            [=, &value](const T& given) {
+              value = std::clamp(static_cast<T>(given / shown_per_inner), range.min, range.max);
+            },
+            sentence)
+        ->check(CLI::Range(shown(range.min), shown(range.max)))
+        ->default_str(CLI::detail::to_string(shown(value)));
+  }
+
+  static std::string dashed(std::string name) {
+    std::replace(name.begin(), name.end(), '_', '-');
+    return "--" + name;
+  }
+
+  CLI::App& command_;
+};
+
+}  // namespace odoless

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "tools/eval/statistics.hpp"
+#include "tools/log/scan_log.hpp"
+
+namespace odoless {
+
+/// What a log holds, at a glance.
+struct LogInfo {
+  std::string format;
+  std::size_t scans = 0;
+  std::size_t beams_min = 0;
+  std::size_t beams_max = 0;
+  double angle_min_rad = 0.0;  ///< of all beams of all scans
+  double angle_max_rad = 0.0;
+  double angle_step_min_rad = 0.0;
+  double angle_step_max_rad = 0.0;
+  bool has_stamps = false;
+  std::size_t stamps_backwards = 0;  ///< scans that say to be older than the one before
+  double duration_s = 0.0;           ///< from the oldest scan to the newest
+  double rate_hz = 0.0;              ///< 0 without duration
+  double return_share = 0.0;         ///< 0..1 of all beams, as the SLAM would classify them with its defaults
+  double no_return_share = 0.0;
+  double invalid_share = 0.0;
+  Statistics range_m;  ///< of the returns
+  double range_min_m = 0.0;
+};
+
+/// @throws DataError naming `name` when a scan has more beams than the product can take.
+[[nodiscard]] LogInfo summarise(const ScanLog& log, const std::string& name);
+
+}  // namespace odoless

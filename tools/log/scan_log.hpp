@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/scan/scan_frame.hpp"
+#include "tools/log/line_reader.hpp"
+
+namespace odoless {
+
+/// One scan of a recorded log. It has no pose and no odometry, on purpose: what is not here cannot reach the SLAM.
+struct LogScan {
+  std::int64_t stamp_ns = 0;
+  double start_angle_rad = 0.0;
+  double angle_step_rad = 0.0;
+  float no_return_m = std::numeric_limits<float>::infinity();  ///< this range or more is no return
+  std::vector<float> ranges_m;                                 ///< as recorded: also 0, inf and NaN
+
+  /// A view, valid while this scan lives unchanged.
+  [[nodiscard]] RawScan raw() const {
+    return {.stamp_ns = stamp_ns,
+            .start_angle_rad = start_angle_rad,
+            .angle_step_rad = angle_step_rad,
+            .no_return_m = no_return_m,
+            .ranges_m = ranges_m};
+  }
+};
+
+struct ScanLog {
+  std::string format;       ///< for people, such as "CARMEN FLASER"
+  bool has_stamps = false;  ///< false: the stamps are index * default_period_ns
+  std::vector<LogScan> scans;
+};
+
+constexpr std::int64_t kDefaultPeriodNs = 200'000'000;
+
+/// Reads a whole log of any supported format, plain, .gz or .xz; format and packing are told from the content.
+///
+/// - CARMEN `FLASER` and `ROBOTLASER1`: of the two, the kind that comes first counts, since some loggers write each
+///   scan as both. Other messages are skipped. Stamps are the ipc_timestamp.
+/// - DP-SLAM `Laser n ranges...`: -90 to +90 deg, no stamps, 8.0 m and more is no return.
+/// - CSV `t,angle_min,angle_inc,time_inc,scan_time,rmin,rmax,n,ranges...`, rmax and more is no return.
+///
+/// Each scan has at least one range and a finite geometry with a step other than 0. Stamps that are missing, all equal
+/// or all zero are replaced by index * default_period_ns; stamps that go backwards are kept.
+///
+/// @throws DataError for a malformed line, a cut file, or a log without any scan; NoInputError, IoError.
+[[nodiscard]] ScanLog read_scan_log(const std::filesystem::path& path,
+                                    std::int64_t default_period_ns = kDefaultPeriodNs);
+
+/// The same from lines that somebody else opened.
+[[nodiscard]] ScanLog read_scan_log(LineReader& lines, std::int64_t default_period_ns = kDefaultPeriodNs);
+
+}  // namespace odoless

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace odoless {
+
+/// Decimal seconds, with or without exponent, as nanoseconds: exact, and rounded half away from zero below 1 ns.
+/// Nothing when the text is no finite decimal number or is beyond +-292 years.
+[[nodiscard]] std::optional<std::int64_t> parse_stamp_ns(std::string_view seconds);
+
+/// Whether these stamps tell scans apart: not all zero, and not all equal when there are several.
+[[nodiscard]] bool stamps_are_usable(std::span<const std::int64_t> stamps_ns);
+
+}  // namespace odoless

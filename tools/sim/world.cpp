@@ -1,0 +1,50 @@
+#include "tools/sim/world.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace odoless {
+namespace {
+
+Point2 along(const Segment& wall, double share) {
+  return {wall.a.x_m + share * (wall.b.x_m - wall.a.x_m), wall.a.y_m + share * (wall.b.y_m - wall.a.y_m)};
+}
+
+}  // namespace
+
+std::vector<Segment> rectangle(const Pose2& world_T_rectangle, double width_m, double height_m) {
+  const double x_m = width_m / 2.0;
+  const double y_m = height_m / 2.0;
+  std::array<Point2, 4> corners{{{-x_m, -y_m}, {x_m, -y_m}, {x_m, y_m}, {-x_m, y_m}}};
+  for (Point2& corner : corners) {
+    corner = world_T_rectangle * corner;
+  }
+  return {{corners[0], corners[1]}, {corners[1], corners[2]}, {corners[2], corners[3]}, {corners[3], corners[0]}};
+}
+
+std::vector<Segment> without_disc(const Segment& wall, const Point2& centre, double radius_m) {
+  const double ex_m = wall.b.x_m - wall.a.x_m;
+  const double ey_m = wall.b.y_m - wall.a.y_m;
+  const double wx_m = centre.x_m - wall.a.x_m;
+  const double wy_m = centre.y_m - wall.a.y_m;
+  const double length_m = std::hypot(ex_m, ey_m);
+  const double offset_m = (ex_m * wy_m - ey_m * wx_m) / length_m;
+  if (!(std::abs(offset_m) < radius_m)) {
+    return {wall};
+  }
+  const double middle = (ex_m * wx_m + ey_m * wy_m) / (length_m * length_m);
+  const double half = std::sqrt(radius_m * radius_m - offset_m * offset_m) / length_m;
+  if (middle + half <= 0.0 || middle - half >= 1.0) {
+    return {wall};
+  }
+  std::vector<Segment> rest;
+  if (middle - half > 0.0) {
+    rest.push_back({wall.a, along(wall, middle - half)});
+  }
+  if (middle + half < 1.0) {
+    rest.push_back({along(wall, middle + half), wall.b});
+  }
+  return rest;
+}
+
+}  // namespace odoless

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "core/geometry/pose2.hpp"
+
+namespace odoless {
+
+/// A straight piece of surface, seen from both sides; world frame.
+struct Segment {
+  Point2 a;
+  Point2 b;
+};
+
+/// A round pillar; world frame.
+struct Pillar {
+  Point2 centre;
+  double radius_m = 0.0;
+};
+
+/// A point that the robot's path runs through, and how the robot moves to it.
+struct Waypoint {
+  Point2 position;  ///< world frame
+  double speed_mps = 0.5;
+  double turn_rate_radps = 0.8;   ///< bound of the turn rate
+  double corner_radius_m = 0.25;  ///< of the arc before the leg to this point; 0: turn on the spot
+};
+
+/// A flat world of surfaces, and the path that a robot takes through it.
+struct World {
+  std::vector<Segment> segments{};
+  std::vector<Pillar> pillars{};
+  std::vector<Waypoint> waypoints{};
+};
+
+/// The four sides of a rectangle; its middle and direction are `world_T_rectangle`.
+[[nodiscard]] std::vector<Segment> rectangle(const Pose2& world_T_rectangle, double width_m, double height_m);
+
+/// What is left of `wall` (0 to 2 pieces) without its part that is nearer to `centre` than `radius_m`.
+[[nodiscard]] std::vector<Segment> without_disc(const Segment& wall, const Point2& centre, double radius_m);
+
+}  // namespace odoless
