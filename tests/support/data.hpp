@@ -17,10 +17,10 @@ inline std::filesystem::path data_folder() {
 
 }  // namespace odoless::test
 
-/// Sets `path` to a recorded log, or skips the test when it is absent. For use in a test's own body.
-#define ODOLESS_DATA_FILE(path, name)                                                                     \
-  const std::filesystem::path path = ::odoless::test::data_folder() / (name);                             \
-  if (!std::filesystem::exists(path)) {                                                                   \
-    GTEST_SKIP() << "no recorded log " << path << "; set ODOLESS_DATA to the folder that has " << (name); \
-  }                                                                                                       \
+/// Declares `variable`, the path of a recorded log, or skips the test when it is absent. For use in a test's own body.
+#define ODOLESS_DATA_FILE(variable, name)                                                                     \
+  const std::filesystem::path variable = ::odoless::test::data_folder() / (name);                             \
+  if (!std::filesystem::exists(variable)) {                                                                   \
+    GTEST_SKIP() << "no recorded log " << variable << "; set ODOLESS_DATA to the folder that has " << (name); \
+  }                                                                                                           \
   static_assert(true)

@@ -1,11 +1,10 @@
 #include "tools/command/command_line.hpp"
 
-#include <fmt/core.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <system_error>
 
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
@@ -18,6 +17,7 @@ namespace {
 constexpr int kUsage = 64;
 constexpr int kSoftware = 70;
 constexpr int kSystem = 71;
+constexpr int kInputOutput = 74;
 
 /// Every sub-command, in the order of --help. A new one: its own tools/command/NAME.hpp and .cpp, and a line here.
 void add_commands(CLI::App& app) {
@@ -26,8 +26,8 @@ void add_commands(CLI::App& app) {
   add_sim(app);
 }
 
-int fail(int exit_code, const char* message) {
-  fmt::print(stderr, "odoless: {}\n", message);
+int fail(int exit_code, const char* what, const char* reason) {
+  static_cast<void>(std::fprintf(stderr, "odoless: %s%s\n", what, reason));
   return exit_code;
 }
 
@@ -60,11 +60,13 @@ int run_command_line(int argc, const char* const* argv) {
     flush_output();
     return status;
   } catch (const UserError& error) {
-    return fail(error.exit_code(), error.what());
+    return fail(error.exit_code(), "", error.what());
+  } catch (const std::system_error& error) {
+    return fail(kInputOutput, "", error.what());
   } catch (const std::bad_alloc&) {
-    return fail(kSystem, "out of memory");
+    return fail(kSystem, "", "out of memory");
   } catch (const std::exception& error) {
-    return fail(kSoftware, fmt::format("internal error: {}", error.what()).c_str());
+    return fail(kSoftware, "internal error: ", error.what());
   }
 }
 

@@ -46,8 +46,9 @@ bool LineReader::next(std::string_view& line) {
       throw DataError(name_, number_ + 1, "the line is longer than 1 MiB", "a text file with one message per line");
     }
     if (!refill()) {
-      line = take(searched, 0);
-      return searched > 0;
+      const bool is_line = searched > 0;
+      line = is_line ? take(searched, 0) : std::string_view();
+      return is_line;
     }
   }
 }

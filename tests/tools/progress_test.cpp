@@ -1,0 +1,65 @@
+#include "tools/output/progress.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace odoless {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::int64_t now_ns = 0;
+std::int64_t fake_clock() { return now_ns; }
+
+/// What `job` writes to a terminal.
+template <class Job>
+std::string shown(Job job) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
+  job(file.get());
+  std::rewind(file.get());
+  std::string text(100'000, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+  return text;
+}
+
+TEST(Progress, LineTellsShareRateAndTimeLeft) {
+  EXPECT_EQ(format_progress({.done = 500, .total = 1000, .elapsed_s = 65.0}, "fitness 0.93"),
+            "[############............]  50 %  500/1000  7.7/s  1:05 left  fitness 0.93");
+}
+
+TEST(Progress, LineStaysSoundAtItsLimits) {
+  EXPECT_THAT(format_progress({}, ""), HasSubstr("0 %  0/0"));
+  EXPECT_THAT(format_progress({.done = 9, .total = 3, .elapsed_s = 1.0}, ""),
+              HasSubstr("100 %  9/3  9.0/s  0:00 left"));
+  EXPECT_THAT(format_progress({.done = 999, .total = 1000, .elapsed_s = 1.0}, ""), HasSubstr(" 99 %"));
+  EXPECT_LE(format_progress({.done = 1, .total = 2}, std::string(500, 'x')).size(), 100U);
+}
+
+TEST(Progress, RedrawsAtMostTenTimesASecondAndAtTheEnd) {
+  const std::string text = shown([](std::FILE* terminal) {
+    now_ns = 0;
+    Progress progress(1000, terminal, fake_clock);
+    for (int done = 1; done <= 1000; ++done) {
+      now_ns += 1'000'000;
+      progress.update(done, "note");
+    }
+  });
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\r'), 11);
+  EXPECT_THAT(text, HasSubstr("1000/1000"));
+  EXPECT_TRUE(text.ends_with('\n'));
+}
+
+TEST(Progress, IsSilentWhereThereIsNoTerminal) {
+  testing::internal::CaptureStderr();
+  {
+    Progress progress(10);
+    progress.update(10, "note");
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace
+}  // namespace odoless

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace odoless {
+
+struct Rgb {
+  std::uint8_t red = 0;
+  std::uint8_t green = 0;
+  std::uint8_t blue = 0;
+
+  bool operator==(const Rgb&) const = default;
+};
+
+/// A place on a canvas; row 0 is the top.
+struct Pixel {
+  int column_px = 0;
+  int row_px = 0;
+};
+
+/// A picture to draw on; what lies outside is not drawn.
+class Canvas {
+ public:
+  Canvas(int width_px, int height_px, Rgb background);
+
+  [[nodiscard]] int width_px() const { return width_px_; }
+  [[nodiscard]] int height_px() const { return height_px_; }
+  [[nodiscard]] Rgb at(Pixel pixel) const { return pixels_[index(pixel)]; }
+  [[nodiscard]] bool contains(Pixel pixel) const;
+
+  void set(Pixel pixel, Rgb colour);
+  void rectangle(Pixel top_left, Pixel bottom_right, Rgb colour);
+  void disc(Pixel centre, int radius_px, Rgb colour);
+  /// Two pixels wide. Both ends must be near the canvas: the work grows with the line's length.
+  void line(Pixel from, Pixel to, Rgb colour);
+  /// Digits, spaces and the letter m, 14 pixels high.
+  void text(Pixel top_left, std::string_view characters, Rgb colour);
+
+  /// The picture as a PNG file.
+  [[nodiscard]] std::string png() const;
+
+ private:
+  [[nodiscard]] std::size_t index(Pixel pixel) const;
+
+  int width_px_;
+  int height_px_;
+  std::vector<Rgb> pixels_;
+};
+
+}  // namespace odoless
