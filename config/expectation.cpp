@@ -1,0 +1,111 @@
+#include "config/expectation.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstddef>
+#include <numeric>
+#include <variant>
+#include <vector>
+
+namespace odoless {
+namespace {
+
+std::string real_text(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".en") == std::string::npos) {
+    text += ".0";
+  }
+  return text;
+}
+
+// Ranges are read by people: 20, not 20.0.
+std::string bound_text(const Entry::Value& bound) {
+  const auto* const real = std::get_if<double>(&bound);
+  return real != nullptr ? fmt::format("{}", *real) : value_text(bound);
+}
+
+/// Fewest letters to insert, remove or replace to make `to` of `from` (Wagner and Fischer).
+std::size_t edit_distance(std::string_view from, std::string_view to) {
+  std::vector<std::size_t> row(to.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < to.size(); ++j) {
+      const std::size_t replaced = diagonal + (from[i] == to[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+// A right name in the wrong table is nearer than most misspellings.
+std::size_t key_distance(std::string_view key, std::string_view known) {
+  return std::min(edit_distance(key, known), edit_distance(name_of(key), name_of(known)) + 1);
+}
+
+}  // namespace
+
+std::string value_text(const Entry::Value& value) {
+  if (const auto* const real = std::get_if<double>(&value)) {
+    return real_text(*real);
+  }
+  if (const auto* const whole = std::get_if<std::int64_t>(&value)) {
+    return fmt::format("{}", *whole);
+  }
+  if (const auto* const flag = std::get_if<bool>(&value)) {
+    return *flag ? "true" : "false";
+  }
+  return fmt::format("\"{}\"", std::get<std::string>(value));
+}
+
+std::string range_text(const Entry& entry) {
+  if (!entry.names.empty()) {
+    return fmt::format("\"{}\"", fmt::join(entry.names, "\" or \""));
+  }
+  if (std::holds_alternative<bool>(entry.get())) {
+    return {};
+  }
+  return fmt::format("{} to {}", bound_text(entry.min), bound_text(entry.max));
+}
+
+std::string expectation(const Entry& entry) {
+  constexpr std::array<std::string_view, 4> kForms{"{}", "a whole number, {}", "true or false", "{}"};
+  std::string meaning = entry.text;
+  if (meaning.ends_with('.')) {
+    meaning.pop_back();
+  }
+  // Small in the middle of a sentence, unless the word is an abbreviation.
+  if (meaning.size() > 1 && std::islower(static_cast<unsigned char>(meaning[1])) != 0) {
+    meaning[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(meaning[0])));
+  }
+  const std::string form = fmt::format(fmt::runtime(kForms[entry.get().index()]), range_text(entry));
+  return fmt::format("{} ({})", form, meaning);
+}
+
+std::string_view kind_name(const Entry& entry) {
+  constexpr std::array<std::string_view, 4> kNames{"number", "integer", "boolean", "choice"};
+  return kNames[entry.get().index()];
+}
+
+std::string_view nearest_key(std::string_view key, std::span<const Entry> entries) {
+  constexpr std::size_t kLongestKey = 100;  // longer ones are no misspelling, and the distance takes time
+  if (entries.empty() || key.size() > kLongestKey) {
+    return {};
+  }
+  const auto nearest = std::min_element(entries.begin(), entries.end(), [&](const Entry& a, const Entry& b) {
+    return key_distance(key, a.key) < key_distance(key, b.key);
+  });
+  const bool near = key_distance(key, nearest->key) <= std::max<std::size_t>(2, name_of(key).size() / 3);
+  if (!near) {
+    return {};
+  }
+  return nearest->key;
+}
+
+}  // namespace odoless

@@ -1,0 +1,222 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/parameters.hpp"
+#include "core/grid/ancestry_tree.hpp"
+#include "core/grid/cell.hpp"
+#include "core/grid/grid_geometry.hpp"
+#include "core/grid/occupancy_map.hpp"
+
+namespace odoless {
+
+struct AncestryGridParams {
+  double resolution_m = 0.05;
+  double width_m = 100.0;
+  double height_m = 100.0;
+  int tiles_max = 32768;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.value("resolution_m", self.resolution_m, Range{0.005, 1.0}, "Side of a map cell.");
+    visit.value("width_m", self.width_m, Range{1.0, 2000.0},
+                "Extent of the map along x, rounded up to whole tiles; the run starts at its centre.");
+    visit.value("height_m", self.height_m, Range{1.0, 2000.0}, "Extent of the map along y, as for x.");
+    visit.value("tiles_max", self.tiles_max, Range{16, 4'000'000},
+                "Pool of observed tiles of 16 x 16 cells, shared by all particles' maps; 2 KiB each.");
+  }
+};
+
+/// The maps of all particles in one grid, without copies of what they share [eliazar2003dpslam].
+///
+/// The grid is cut into tiles of 16 x 16 cells. A tile holds one version for each node of the particles' ancestry that
+/// observed something in it; a version is cumulative: it begins as a copy of the nearest ancestor's and goes on from
+/// there, so a particle sees a tile as its nearest ancestor left it. DP-SLAM keeps such versions per cell; per tile
+/// the same maps come at a quarter of the look-ups and without a list entry per cell.
+///
+/// To answer "which version does this particle see" at once, the first look at a tile after the family changed writes
+/// the answer down for all leaves; this costs time in the order of the particles per tile, whatever the lineage's
+/// length.
+///
+/// Promises:  a map is the same, bit for bit, as one of its own would be (plain_particles in the tests), as long as the
+///            pool lasts. When it is full, observations in tiles that have no version of the particle's own are refused
+///            and counted, for as long as it is full.
+/// Thread:    owned by one thread.
+/// Real time: no allocation after construction.
+class AncestryGrid {
+ public:
+  static constexpr int kTileSide_cells = 16;
+
+  /// Tiles that observations were refused in or that lie outside of the grid, each counted once per beam and entry.
+  struct Counters {
+    std::int64_t refused_tiles = 0;
+    std::int64_t outside_tiles = 0;
+  };
+
+  AncestryGrid(const AncestryGridParams& params, int particles_max);
+
+  /// One particle, nothing observed.
+  void reset();
+  /// The two halves of a resampling: see AncestryTree.
+  void retain(std::span<const int> copies);
+  void branch(std::span<const int> copies);
+
+  class View;
+  class Writer;
+  /// A particle's map to read; valid until the next `retain`, `branch` or use of a `Writer` of the same particle.
+  [[nodiscard]] View view(int particle);
+  /// A particle's map to add observations to; only one at a time.
+  [[nodiscard]] Writer writer(int particle);
+
+  /// The particle's map as occupancies: the probability, in percent, that a beam which crosses the cell along an axis
+  /// stops in it. Cut to the tiles that the particle knows. May allocate, in `map` alone.
+  void write_occupancy(int particle, double rho_min_m, OccupancyMap& map);
+
+  [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
+  [[nodiscard]] const AncestryTree& tree() const { return tree_; }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] int tiles_used() const { return static_cast<int>(versions_.size() - kFirstVersion - free_.size()); }
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  using Node = AncestryTree::Node;
+  using Version = std::uint32_t;
+  static constexpr Version kBlank = 0;  ///< what nobody has observed; never written
+  static constexpr Version kWaste = 1;  ///< takes what is refused; never read
+  static constexpr std::uint32_t kFirstVersion = 2;
+  static constexpr Version kNone = 0;
+  static constexpr std::uint32_t kOutside = UINT32_MAX;
+
+  struct alignas(64) Tile {
+    std::array<Cell, kTileSide_cells * kTileSide_cells> cells;
+  };
+
+  /// Nodes own versions through a number that two nodes can swap, so that a merge moves the shorter list.
+  using Owner = std::uint32_t;
+
+  /// Whose version of which tile, in two lists: versions of the tile (descendants before ancestors), tiles of the
+  /// owner.
+  struct Entry {
+    Owner owner = 0;
+    std::uint32_t tile = 0;
+    Version next_in_tile = kNone;
+    Version previous_in_tile = kNone;
+    Version next_of_owner = kNone;
+    Version previous_of_owner = kNone;
+  };
+
+  struct OwnedTiles {
+    Version first = kNone;
+    std::uint32_t count = 0;
+  };
+
+  [[nodiscard]] std::uint32_t tile_at(std::uint32_t tile_column, std::uint32_t tile_row) const {
+    const bool inside = tile_column < tile_columns_ && tile_row < tile_rows_;
+    return inside ? tile_row * tile_columns_ + tile_column : kOutside;
+  }
+  /// The version of a tile that the leaf with this rank sees.
+  [[nodiscard]] Version& seen(std::uint32_t tile, std::uint32_t rank) {
+    if (answers_of_tile_[tile] == 0) {
+      answer(tile);
+    }
+    return answers_[static_cast<std::size_t>(answers_of_tile_[tile] - 1) * leaves_max_ + rank];
+  }
+  void answer(std::uint32_t tile);
+  void forget_answers();
+  [[nodiscard]] Version own_version(std::uint32_t tile, Node leaf, std::uint32_t rank);
+  void link_to_tile(Version version, std::uint32_t tile);
+  void unlink_from_tile(Version version);
+  void link_to_owner(Version version, Owner owner);
+  void unlink_from_owner(Version version);
+  void remove(Version version);
+  void merge(Node gone, Node heir);
+  void move_versions(Owner from, Owner to, bool from_is_newer);
+  [[nodiscard]] Version find_beside(Version version, Owner owner, bool below) const;
+
+  std::uint32_t tile_columns_;
+  std::uint32_t tile_rows_;
+  GridGeometry geometry_;
+  AncestryTree tree_;
+  std::size_t leaves_max_;
+  std::vector<Tile> tiles_;      ///< by version
+  std::vector<Entry> versions_;  ///< by version
+  std::vector<Version> free_;
+  std::vector<Version> first_of_tile_;
+  std::vector<OwnedTiles> owned_;               ///< by owner
+  std::vector<Owner> owner_of_node_;            ///< a permutation,
+  std::vector<Node> node_of_owner_;             ///< and its inverse
+  std::vector<std::uint32_t> answers_of_tile_;  ///< 0: none yet, else 1 + its row in answers_
+  std::vector<std::uint32_t> answered_;         ///< tiles that have answers
+  std::vector<Version> answers_;                ///< rows of versions, by rank of the leaf
+  Counters counters_;
+};
+
+/// Reads one particle's map cell by cell; neighbours in a row are cheap.
+class AncestryGrid::View {
+ public:
+  /// Any column and row; outside of the grid is unknown.
+  [[nodiscard]] const Cell& at(int column, int row) {
+    const auto tile_column = static_cast<std::uint32_t>(column) / kTileSide_cells;  // negative ones become huge
+    const auto tile_row = static_cast<std::uint32_t>(row) / kTileSide_cells;
+    if (tile_column != tile_column_ || tile_row != tile_row_) {
+      enter(tile_column, tile_row);
+    }
+    return cells_[static_cast<std::uint32_t>(row) % kTileSide_cells * kTileSide_cells +
+                  static_cast<std::uint32_t>(column) % kTileSide_cells];
+  }
+
+ private:
+  friend class AncestryGrid;
+  View(AncestryGrid& grid, int particle) : grid_(grid), rank_(grid.tree_.rank(particle)) {}
+
+  void enter(std::uint32_t tile_column, std::uint32_t tile_row) {
+    tile_column_ = tile_column;
+    tile_row_ = tile_row;
+    const std::uint32_t tile = grid_.tile_at(tile_column, tile_row);
+    cells_ = grid_.tiles_[tile == kOutside ? kBlank : grid_.seen(tile, rank_)].cells.data();
+  }
+
+  AncestryGrid& grid_;
+  std::uint32_t rank_;
+  std::uint32_t tile_column_ = kOutside;
+  std::uint32_t tile_row_ = kOutside;
+  const Cell* cells_ = nullptr;
+};
+
+/// Adds observations to one particle's map.
+class AncestryGrid::Writer {
+ public:
+  /// The cell to add to. Outside of the grid, or where the pool refuses, a cell that nobody reads.
+  [[nodiscard]] Cell& at(int column, int row) {
+    const auto tile_column = static_cast<std::uint32_t>(column) / kTileSide_cells;
+    const auto tile_row = static_cast<std::uint32_t>(row) / kTileSide_cells;
+    if (tile_column != tile_column_ || tile_row != tile_row_) {
+      enter(tile_column, tile_row);
+    }
+    return cells_[static_cast<std::uint32_t>(row) % kTileSide_cells * kTileSide_cells +
+                  static_cast<std::uint32_t>(column) % kTileSide_cells];
+  }
+
+ private:
+  friend class AncestryGrid;
+  Writer(AncestryGrid& grid, int particle)
+      : grid_(grid), leaf_(grid.tree_.leaf(particle)), rank_(grid.tree_.rank(particle)) {}
+
+  void enter(std::uint32_t tile_column, std::uint32_t tile_row);
+
+  AncestryGrid& grid_;
+  Node leaf_;
+  std::uint32_t rank_;
+  std::uint32_t tile_column_ = kOutside;
+  std::uint32_t tile_row_ = kOutside;
+  Cell* cells_ = nullptr;
+};
+
+inline AncestryGrid::View AncestryGrid::view(int particle) { return {*this, particle}; }
+inline AncestryGrid::Writer AncestryGrid::writer(int particle) { return {*this, particle}; }
+
+}  // namespace odoless

@@ -1,0 +1,59 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/grid/ancestry_grid.hpp"
+
+namespace odoless {
+namespace {
+
+/// Inclusive bounds of the tiles that a particle knows.
+struct TileBox {
+  std::uint32_t column_min = UINT32_MAX;
+  std::uint32_t column_max = 0;
+  std::uint32_t row_min = UINT32_MAX;
+  std::uint32_t row_max = 0;
+
+  void include(std::uint32_t column, std::uint32_t row) {
+    column_min = std::min(column_min, column);
+    column_max = std::max(column_max, column);
+    row_min = std::min(row_min, row);
+    row_max = std::max(row_max, row);
+  }
+  [[nodiscard]] bool empty() const { return column_min > column_max; }
+};
+
+std::int8_t occupancy_percent(const Cell& cell, double resolution_m, double rho_min_m) {
+  if (cell.is_unknown()) {
+    return OccupancyMap::kUnknown;
+  }
+  const double stops = cell.stops_per_m(static_cast<float>(rho_min_m)) * resolution_m;
+  return static_cast<std::int8_t>(std::lround(-100.0 * std::expm1(-stops)));
+}
+
+}  // namespace
+
+void AncestryGrid::write_occupancy(int particle, double rho_min_m, OccupancyMap& map) {
+  TileBox box;
+  for (std::uint32_t tile = 0; tile < first_of_tile_.size(); ++tile) {
+    if (first_of_tile_[tile] != kNone && seen(tile, tree_.rank(particle)) != kBlank) {
+      box.include(tile % tile_columns_, tile / tile_columns_);
+    }
+  }
+  const int column = box.empty() ? 0 : static_cast<int>(box.column_min) * kTileSide_cells;
+  const int row = box.empty() ? 0 : static_cast<int>(box.row_min) * kTileSide_cells;
+  map.resolution_m = geometry_.resolution_m;
+  map.origin_x_m = geometry_.origin_x_m() + column * geometry_.resolution_m;
+  map.origin_y_m = geometry_.origin_y_m() + row * geometry_.resolution_m;
+  map.width_cells = box.empty() ? 0 : (static_cast<int>(box.column_max) + 1) * kTileSide_cells - column;
+  map.height_cells = box.empty() ? 0 : (static_cast<int>(box.row_max) + 1) * kTileSide_cells - row;
+  map.occupancy_percent.clear();
+  map.occupancy_percent.reserve(static_cast<std::size_t>(map.width_cells) * static_cast<std::size_t>(map.height_cells));
+  View cells = view(particle);
+  for (int y = row; y < row + map.height_cells; ++y) {
+    for (int x = column; x < column + map.width_cells; ++x) {
+      map.occupancy_percent.push_back(occupancy_percent(cells.at(x, y), map.resolution_m, rho_min_m));
+    }
+  }
+}
+
+}  // namespace odoless

@@ -1,0 +1,108 @@
+#pragma once
+
+#include "core/base/parameters.hpp"
+#include "core/ndt/ndt.hpp"
+#include "core/ndt/score_raster.hpp"
+#include "core/optimize/differential_evolution.hpp"
+
+namespace odoless {
+
+/// What a reference is made into.
+struct ReferenceParams {
+  NdtParams ndt{};
+  double wide_cell_size_m = 4.0;
+  RasterParams fine{.resolution_m = 0.05, .extent_m = 20.0, .sigma_min_m = 0.05};
+  RasterParams coarse{.resolution_m = 0.10, .extent_m = 20.0, .sigma_min_m = 0.25};
+  double thinning_m = 0.1;
+  double free_margin_m = 0.15;
+  double free_penalty = 0.7;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.group("ndt", self.ndt, "The Normal Distributions Transform that the last step climbs.");
+    visit.group("fine", self.fine, "Raster that the second half of the search looks up.");
+    visit.group("coarse", self.coarse, "Blurred raster that the first half of the search looks up.");
+    visit.value("wide_cell_size_m", self.wide_cell_size_m, Range{0.1, 20.0},
+                "Side of an NDT cell when a poor match is tried again.");
+    visit.value("thinning_m", self.thinning_m, Range{0.0, 1.0},
+                "Arc length per point, so that near walls do not outvote the rest; 0 keeps all.");
+    visit.value("free_margin_m", self.free_margin_m, Range{0.0, 2.0},
+                "A beam frees what lies nearer than its end by more than this.");
+    visit.value("free_penalty", self.free_penalty, Range{0.0, 1.0},
+                "What a point loses where the reference saw through; in the fine raster alone, since it hinders the "
+                "coarse search.");
+  }
+};
+
+/// How a search spends its evaluations.
+struct SearchParams {
+  double box_translation_m = 2.0;
+  double box_rotation_rad = 1.4835;
+  int start_points = 400;
+  int coarse_evaluations = 750;
+  int fine_evaluations = 600;
+  int coarse_every = 4;
+  double spread_m = 0.5;
+  double angle_floor = 0.02;
+  int simplex_steps = 60;
+  double probe_m = 1.5;
+  DeParams de{};
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.value("box_translation_m", self.box_translation_m, Range{0.01, 50.0}, "Half the side of the search box.");
+    visit.value("box_rotation_rad", self.box_rotation_rad, Range{0.001, 3.1416}, "Half the rotation that is searched.");
+    visit.value("start_points", self.start_points, Range{8, 10000},
+                "Candidates scored to choose the first population.");
+    visit.value("coarse_evaluations", self.coarse_evaluations, Range{0, 1000000}, "Evaluations on the blurred raster.");
+    visit.value("fine_evaluations", self.fine_evaluations, Range{0, 1000000}, "Evaluations on the fine raster.");
+    visit.value("coarse_every", self.coarse_every, Range{1, 100}, "The coarse search looks at one point in so many.");
+    visit.value("spread_m", self.spread_m, Range{0.0, 5.0},
+                "Noise added to the better half when it replaces the worse half between the two.");
+    visit.value("angle_floor", self.angle_floor, Range{0.0, 1.0},
+                "Share of the start angles that ignore the orientation histograms.");
+    visit.value("simplex_steps", self.simplex_steps, Range{0, 1000}, "Steps of the downhill simplex after the search.");
+    visit.value("probe_m", self.probe_m, Range{0.0, 20.0},
+                "How far other peaks are sought along the weakest direction.");
+    visit.group("de", self.de, "Differential Evolution.");
+  }
+};
+
+/// The matcher's whole setting.
+struct MatcherParams {
+  int points_max = 2048;
+  ReferenceParams reference{};
+  SearchParams search{};
+  SearchParams retry{.box_translation_m = 4.0,
+                     .box_rotation_rad = 3.1416,
+                     .start_points = 800,
+                     .coarse_evaluations = 1200,
+                     .fine_evaluations = 900};
+  int refine_steps = 12;
+  double score_min = 0.2;
+  double prior_weight = 0.1;
+  double second_peak_ratio_max = 0.9;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.value("points_max", self.points_max, Range{16, 100000},
+                "Most points of a scan or a reference; more beams than this are refused.");
+    visit.group("reference", self.reference, "What a reference is made into.");
+    visit.group("search", self.search, "The search that every scan gets.");
+    visit.group("retry", self.retry, "The wider search that a poor match gets, with wide cells.");
+    visit.value("refine_steps", self.refine_steps, Range{1, 100}, "Most Newton steps on the exact score.");
+    visit.value("score_min", self.score_min, Range{0.0, 1.0},
+                "A match whose mean score per point is below is poor: it is retried, and not called converged unless "
+                "that helps.");
+    visit.value("prior_weight", self.prior_weight, Range{0.0, 1.0},
+                "How much more a pose far from the expected one must score to win over a near one.");
+    visit.value("second_peak_ratio_max", self.second_peak_ratio_max, Range{0.0, 1.0},
+                "A second peak that scores this share of the best makes the match ambiguous.");
+  }
+};
+
+/// The seed's own setting (section 5.1.1, Table 4.4): N = 100 members, G = 50 generations on every beam, unthinned, no
+/// free space, no coarse step, uniform start.
+[[nodiscard]] MatcherParams seed_matcher_params();
+
+}  // namespace odoless

@@ -1,0 +1,134 @@
+#include "core/match/ndt_matcher.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace odoless {
+namespace {
+
+constexpr int kReturns_min = 8;
+constexpr int kProbe_steps = 30;
+constexpr double kInformation_min = 1e-3;  // per return: keeps the covariance of a direction without hold finite
+
+// Covariance of a peak by the sandwich H^-1 G H^-1 of its curvature H and the spread G of the points' gradients.
+Eigen::Matrix3d peak_covariance(const NdtDerivatives& peak, int points) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(-peak.hessian);
+  const Eigen::Vector3d curvature = axes.eigenvalues().cwiseMax(kInformation_min * points);
+  const Eigen::Matrix3d inverse =
+      axes.eigenvectors() * curvature.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose();
+  return inverse * peak.gradient_spread * inverse;
+}
+
+}  // namespace
+
+MatcherParams seed_matcher_params() {
+  MatcherParams params;
+  params.reference.thinning_m = 0.0;
+  params.reference.free_penalty = 0.0;
+  params.search.start_points = 100;
+  params.search.coarse_evaluations = 0;
+  params.search.fine_evaluations = 5000;
+  params.search.angle_floor = 1.0;
+  params.search.de = {.population = 100, .strategy = DeStrategy::kRand1Bin};
+  return params;
+}
+
+NdtMatcher::NdtMatcher(const MatcherParams& params)
+    : params_(params),
+      scan_{PointSet(params.points_max), {}},
+      returns_(params.points_max),
+      search_(params.search, params.points_max),
+      retry_(params.retry, params.points_max) {
+  ODOLESS_CHECK(parameters_in_range(params));
+}
+
+Result<MatchResult> NdtMatcher::match(MatchReference& reference, const ScanFrame& scan, const Expectation& expected,
+                                      const Deadline& deadline, Rng& rng) {
+  if (reference.empty()) {
+    return Errc::kNoReference;
+  }
+  if (scan.returns() < kReturns_min) {
+    return Errc::kTooFewReturns;
+  }
+  if (scan.returns() > params_.points_max) {
+    return Errc::kTooManyBeams;
+  }
+  scan_.points.clear();
+  returns_.clear();
+  scan_.orientations.clear();
+  append_thinned(scan, {}, params_.reference.thinning_m, scan_.points);
+  append_thinned(scan, {}, 0.0, returns_);
+  scan_.orientations.add(scan, 0.0, params_.reference.thinning_m);
+  scan_.orientations.smooth();
+
+  MatchResult result;
+  const MotionPrior prior{expected.reference_T_scan, expected.sd_m, expected.sd_rad, params_.prior_weight};
+  SearchOutcome outcome = search(reference, prior, deadline, rng, result);
+  climb(reference, outcome, result);
+  const double before = outcome.best.score;
+  probe({reference.coarse(), reference.fine(), reference.orientations(), prior}, outcome, result.weak_direction);
+  if (outcome.best.score > before) {
+    climb(reference, outcome, result);
+  }
+  result.score = outcome.best.score;
+  result.evaluations += outcome.evaluations;
+  result.stop = outcome.stop;
+  if (outcome.second) {
+    result.second_peak =
+        SecondPeak{to_pose(outcome.second->point), outcome.second->score / std::max(1e-9, outcome.best.score)};
+  }
+  const bool ambiguous = result.second_peak && result.second_peak->score_ratio > params_.second_peak_ratio_max;
+  result.converged = !is_poor(outcome) && !ambiguous;
+  return result;
+}
+
+SearchOutcome NdtMatcher::search(MatchReference& reference, const MotionPrior& prior, const Deadline& deadline,
+                                 Rng& rng, MatchResult& result) {
+  const SearchGround ground{reference.coarse(), reference.fine(), reference.orientations(), prior};
+  SearchOutcome first = search_.run(ground, scan_, deadline, rng);
+  if (!is_poor(first) || first.stop == StopReason::kDeadline) {
+    return first;
+  }
+  result.escalated = true;
+  const SearchGround wide{reference.wide(), reference.fine(), reference.orientations(), prior};
+  SearchOutcome again = retry_.run(wide, scan_, deadline, rng);
+  again.evaluations += first.evaluations;
+  if (first.best.score >= again.best.score) {
+    std::swap(again.best, first.best);
+    again.second = first.second;
+  }
+  return again;
+}
+
+void NdtMatcher::probe(const SearchGround& ground, SearchOutcome& outcome, Point2 direction) const {
+  for (const double sign : {-1.0, 1.0}) {
+    SearchPoint start = outcome.best.point;
+    start[0] += sign * params_.search.probe_m * direction.x_m;
+    start[1] += sign * params_.search.probe_m * direction.y_m;
+    ScoredPoint top = PoseSearch::climb(ground, scan_.points, start, kProbe_steps, outcome.evaluations);
+    if (!clearly_apart(top.point, outcome.best.point)) {
+      continue;
+    }
+    if (top.score > outcome.best.score) {
+      std::swap(top, outcome.best);
+    }
+    if (!outcome.second || top.score > outcome.second->score) {
+      outcome.second = top;
+    }
+  }
+}
+
+void NdtMatcher::climb(const MatchReference& reference, const SearchOutcome& outcome, MatchResult& result) const {
+  const Refined top = refine(reference.exact_ndt(), returns_, to_pose(outcome.best.point), params_.refine_steps);
+  result.reference_T_scan = top.reference_T_scan;
+  result.evaluations += top.evaluations;
+  result.fitness = top.derivatives.score / returns_.size();
+  result.covariance = peak_covariance(top.derivatives, returns_.size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(-top.derivatives.hessian.topLeftCorner<2, 2>());
+  result.weak_direction = {axes.eigenvectors()(0, 0), axes.eigenvectors()(1, 0)};
+  result.weak_information_1_m2 = axes.eigenvalues()(0) / returns_.size();
+}
+
+}  // namespace odoless

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+#include "core/base/deadline.hpp"
+#include "core/base/result.hpp"
+#include "core/base/rng.hpp"
+#include "core/match/match_reference.hpp"
+#include "core/match/matcher_params.hpp"
+#include "core/match/pose_search.hpp"
+#include "core/match/refine.hpp"
+
+namespace odoless {
+
+/// Another answer that the scene allows.
+struct SecondPeak {
+  Pose2 reference_T_scan{};
+  double score_ratio = 0.0;  ///< its score over the best one's
+};
+
+/// How a scan lies to its reference, and how far that can be trusted.
+struct MatchResult {
+  Pose2 reference_T_scan{};
+  double fitness = 0.0;  ///< mean exact NDT score per return, 0 (no overlap) to 1 (every point on a mean)
+  double score = 0.0;    ///< mean score per thinned point, less where points contradict free space
+  bool converged = false;
+  bool escalated = false;  ///< the first answer was poor and the wider search was run
+  StopReason stop = StopReason::kBudget;
+  int evaluations = 0;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< over (x_m, y_m, yaw_rad), reference's axes
+  Point2 weak_direction{1.0,
+                        0.0};  ///< unit vector of the translation that the scene constrains least, reference's axes
+  double weak_information_1_m2 = 0.0;     ///< curvature of the fitness along it; near zero in a featureless corridor
+  std::optional<SecondPeak> second_peak;  ///< another, distinct answer that scores nearly as well
+
+  /// The seed's form of the fitness, A - score (section 5.1.3), for its 180 beams: near zero is good, below 30 it takes
+  /// a match for converged.
+  [[nodiscard]] double seed_fitness() const { return 180.0 * (1.0 - fitness); }
+};
+
+/// Where a scan is expected. The deviations say how far from there the motion may well lead; 0: anywhere in the box.
+struct Expectation {
+  Pose2 reference_T_scan{};
+  double sd_m = 0.0;
+  double sd_rad = 0.0;
+};
+
+/// Matches a scan to a reference by a global search over the NDT score, with no prior but the centre of the box.
+///
+/// A poor match is tried once more with wide cells, a wider box and every rotation, and says so.
+/// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; bounded evaluations; at a
+/// deadline the best so far.
+class NdtMatcher {
+ public:
+  explicit NdtMatcher(const MatcherParams& params);
+
+  /// Finds `reference_T_scan` in the box around `expected`. Errors: kNoReference, kTooFewReturns, kTooManyBeams.
+  [[nodiscard]] Result<MatchResult> match(MatchReference& reference, const ScanFrame& scan, const Expectation& expected,
+                                          const Deadline& deadline, Rng& rng);
+
+ private:
+  [[nodiscard]] SearchOutcome search(MatchReference& reference, const MotionPrior& prior, const Deadline& deadline,
+                                     Rng& rng, MatchResult& result);
+  void probe(const SearchGround& ground, SearchOutcome& outcome, Point2 direction) const;
+  void climb(const MatchReference& reference, const SearchOutcome& outcome, MatchResult& result) const;
+  [[nodiscard]] bool is_poor(const SearchOutcome& outcome) const { return outcome.best.score < params_.score_min; }
+
+  MatcherParams params_;
+  SearchedScan scan_;
+  PointSet returns_;
+  PoseSearch search_;
+  PoseSearch retry_;
+};
+
+}  // namespace odoless

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/ndt/ndt.hpp"
+#include "core/scan/point_set.hpp"
+
+namespace odoless {
+
+/// The top of a peak of the NDT score.
+struct Refined {
+  Pose2 reference_T_scan{};
+  NdtDerivatives derivatives;  ///< there
+  int evaluations = 0;
+};
+
+/// Climbs from `start` to the nearest peak of the exact NDT score by damped Newton steps [biber2003ndt, section IV].
+///
+/// Where the Hessian is not negative definite its Gauss-Newton part takes its place. Never ends lower than it began.
+/// Real time: no allocation; at most `steps` evaluations of score, gradient and Hessian.
+[[nodiscard]] Refined refine(const Ndt& ndt, const PointSet& points, const Pose2& start, int steps);
+
+}  // namespace odoless

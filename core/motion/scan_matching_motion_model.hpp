@@ -1,0 +1,76 @@
+#pragma once
+
+#include <numbers>
+
+#include "core/base/parameters.hpp"
+#include "core/base/rng.hpp"
+#include "core/geometry/pose2.hpp"
+
+namespace odoless {
+
+/// Constants of the scan-matching motion model; the defaults are those of the thesis chapter's Table 5.1 and 5.3.
+/// A spread is the argument v of the table's sampleA, whose deviation is v / 3.
+struct MotionModelParams {
+  double translation_spread_m = 0.02;
+  double translation_spread_ratio = 0.1;
+  double rotation_spread_rad = 0.5 * std::numbers::pi / 180.0;
+  double rotation_spread_ratio = 0.1;
+  double slip_probability = 0.05;
+  double slip_rotation_max_rad = 3.0 * std::numbers::pi / 180.0;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.value("translation_spread_m", self.translation_spread_m, Range{0.0, 10.0},
+                "Spread of a matched displacement along each axis, however short it is.");
+    visit.value("translation_spread_ratio", self.translation_spread_ratio, Range{0.0, 10.0},
+                "Spread that each metre of displacement adds along its own axis.");
+    visit.value("rotation_spread_rad", self.rotation_spread_rad, Range{0.0, 3.2},
+                "Spread of a matched rotation, however small it is.");
+    visit.value("rotation_spread_ratio", self.rotation_spread_ratio, Range{0.0, 10.0},
+                "Spread that each radian of rotation adds.");
+    visit.value("slip_probability", self.slip_probability, Range{0.0, 1.0},
+                "Probability that the match missed travel that the robot's speed promised.");
+    visit.value("slip_rotation_max_rad", self.slip_rotation_max_rad, Range{0.0, 3.2},
+                "Only matches with less rotation may have missed travel.");
+  }
+};
+
+/// Deviations along the axes of the previous robot frame.
+struct AxisDeviations {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double yaw_rad = 0.0;
+};
+
+/// Draws where the robot may be after a scan match reported a displacement: Tables 5.1 to 5.3 of the thesis chapter.
+///
+/// Each axis gets independent, nearly Gaussian noise (sampleA: v/6 times the sum of 12 uniforms of [-1, 1), so mean 0,
+/// deviation v/3, never beyond 2v). With `slip_probability`, and only if the match turned by less than
+/// `slip_rotation_max_rad`, the noise along the heading is replaced by a lobe of mean lambda and deviation lambda/6
+/// (sampleB with v = lambda/2): the match along a featureless wall that reports almost no travel.
+///
+/// Frames:    the table's robot looks along y: its (dx, dy) is (-dy, dx) of the product's x-forward frame.
+/// Thread:    immutable, any thread; the generator belongs to the caller.
+/// Real time: no allocation; exactly 37 numbers are drawn per sample, slip or not.
+class ScanMatchingMotionModel {
+ public:
+  explicit ScanMatchingMotionModel(const MotionModelParams& params);
+
+  /// @param map_T_previous  Pose before the motion.
+  /// @param increment       previous_T_current as matched.
+  /// @param lambda_m        Travel that the robot's last speed promises for this step, >= 0
+  /// (core/motion/travel_speed.hpp).
+  /// @return                map_T_current, one draw.
+  [[nodiscard]] Pose2 sample(const Pose2& map_T_previous, const Pose2& increment, double lambda_m, Rng& rng) const {
+    return sample(map_T_previous, increment, lambda_m, AxisDeviations{}, rng);
+  }
+
+  /// The same, with the variance of each axis increased by the match's own; zeros give the tables' law, bit for bit.
+  [[nodiscard]] Pose2 sample(const Pose2& map_T_previous, const Pose2& increment, double lambda_m,
+                             const AxisDeviations& match, Rng& rng) const;
+
+ private:
+  MotionModelParams params_;
+};
+
+}  // namespace odoless

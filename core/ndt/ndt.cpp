@@ -1,0 +1,195 @@
+#include "core/ndt/ndt.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odoless {
+
+NdtInformation mended_information(const NdtCell& cell, double sigma_min_m, double sigma_ratio_min) {
+  const double mid = 0.5 * (cell.cov_xx_m2 + cell.cov_yy_m2);
+  const double half_difference = 0.5 * (cell.cov_xx_m2 - cell.cov_yy_m2);
+  const double radius = std::hypot(half_difference, cell.cov_xy_m2);
+  const double floor_m2 = sigma_min_m * sigma_min_m;
+  const double large_m2 = std::max(mid + radius, floor_m2);
+  const double small_m2 = std::max({mid - radius, floor_m2, sigma_ratio_min * sigma_ratio_min * large_m2});
+  // Unit vector (u, v) of the larger axis by the double angle.
+  const double c2 = radius > 0.0 ? half_difference / radius : 1.0;
+  const double s2 = radius > 0.0 ? cell.cov_xy_m2 / radius : 0.0;
+  const double uu = 0.5 * (1.0 + c2);
+  const double vv = 0.5 * (1.0 - c2);
+  const double uv = 0.5 * s2;
+  const double il = 1.0 / large_m2;
+  const double is = 1.0 / small_m2;
+  return {uu * il + vv * is, uv * (il - is), vv * il + uu * is};
+}
+
+Ndt::Ndt(const NdtParams& params, int points_max) : params_(params), inverse_cell_size_(1.0 / params.cell_size_m) {
+  ODOLESS_CHECK(parameters_in_range(params) && points_max > 0);
+  side_cells_ = static_cast<int>(std::ceil(2.0 * params.extent_m * inverse_cell_size_)) + 2;
+  const auto slots = static_cast<std::size_t>(kGrids * side_cells_ * side_cells_);
+  const std::size_t most_touched = std::min(slots, static_cast<std::size_t>(kGrids * points_max));
+  slot_sum_.assign(slots, kNone);
+  slot_cell_.assign(slots, kNone);
+  sums_.resize(most_touched);
+  touched_.resize(most_touched);
+  const std::size_t most_cells = std::min(slots, static_cast<std::size_t>(kGrids * points_max / params.points_min));
+  cells_.resize(most_cells);
+  information_.resize(most_cells);
+}
+
+int Ndt::slot(int grid, double x_m, double y_m) const {
+  const double shift_x = (grid & 1) != 0 ? 0.5 : 0.0;
+  const double shift_y = (grid & 2) != 0 ? 0.5 : 0.0;
+  const double half = 0.5 * side_cells_;
+  const double column = x_m * inverse_cell_size_ + half - shift_x;
+  const double row = y_m * inverse_cell_size_ + half - shift_y;
+  if (!(column >= 0.0 && row >= 0.0 && column < side_cells_ && row < side_cells_)) {
+    return kNone;
+  }
+  return (grid * side_cells_ + static_cast<int>(row)) * side_cells_ + static_cast<int>(column);
+}
+
+Point2 Ndt::slot_corner(int slot_index) const {
+  const int column = slot_index % side_cells_;
+  const int row = (slot_index / side_cells_) % side_cells_;
+  const int grid = slot_index / (side_cells_ * side_cells_);
+  const double half = 0.5 * side_cells_;
+  return {(column - half + ((grid & 1) != 0 ? 0.5 : 0.0)) * params_.cell_size_m,
+          (row - half + ((grid & 2) != 0 ? 0.5 : 0.0)) * params_.cell_size_m};
+}
+
+void Ndt::rebuild(const PointSet& points) {
+  for (int i = 0; i < touched_count_; ++i) {
+    const auto index = static_cast<std::size_t>(touched_[static_cast<std::size_t>(i)]);
+    slot_sum_[index] = kNone;
+    slot_cell_[index] = kNone;
+  }
+  touched_count_ = 0;
+  cell_count_ = 0;
+  gather(points);
+  finish_cells();
+}
+
+void Ndt::gather(const PointSet& points) {
+  for (int i = 0; i < points.size(); ++i) {
+    const Point2 p = points[i];
+    for (int grid = 0; grid < kGrids; ++grid) {
+      const int index = slot(grid, p.x_m, p.y_m);
+      if (index == kNone) {
+        continue;
+      }
+      std::int32_t& sum_index = slot_sum_[static_cast<std::size_t>(index)];
+      if (sum_index == kNone) {
+        if (touched_count_ == static_cast<int>(touched_.size())) {
+          continue;
+        }
+        sum_index = touched_count_;
+        touched_[static_cast<std::size_t>(touched_count_)] = index;
+        sums_[static_cast<std::size_t>(touched_count_++)] = Sums{};
+      }
+      Sums& sum = sums_[static_cast<std::size_t>(sum_index)];
+      // Relative to the cell's corner, so that the squares stay small.
+      const Point2 corner = slot_corner(index);
+      const double x = p.x_m - corner.x_m;
+      const double y = p.y_m - corner.y_m;
+      sum.x += x;
+      sum.y += y;
+      sum.xx += x * x;
+      sum.xy += x * y;
+      sum.yy += y * y;
+      ++sum.points;
+    }
+  }
+}
+
+void Ndt::finish_cells() {
+  for (int i = 0; i < touched_count_; ++i) {
+    const Sums& sum = sums_[static_cast<std::size_t>(i)];
+    if (sum.points < params_.points_min || cell_count_ == static_cast<int>(cells_.size())) {
+      continue;
+    }
+    const int index = touched_[static_cast<std::size_t>(i)];
+    const double n = sum.points;
+    const double x = sum.x / n;
+    const double y = sum.y / n;
+    const double scale = 1.0 / (n - 1.0);
+    PlacedCell& placed = cells_[static_cast<std::size_t>(cell_count_)];
+    placed.corner = slot_corner(index);
+    placed.cell = {{placed.corner.x_m + x, placed.corner.y_m + y},
+                   (sum.xx - n * x * x) * scale,
+                   (sum.xy - n * x * y) * scale,
+                   (sum.yy - n * y * y) * scale,
+                   sum.points};
+    information_[static_cast<std::size_t>(cell_count_)] =
+        mended_information(placed.cell, params_.sigma_min_m, params_.sigma_ratio_min);
+    slot_cell_[static_cast<std::size_t>(index)] = cell_count_++;
+  }
+}
+
+double Ndt::score(const PointSet& points, const Pose2& reference_T_points) const {
+  const double c = std::cos(reference_T_points.yaw_rad);
+  const double s = std::sin(reference_T_points.yaw_rad);
+  double sum = 0.0;
+  for (int i = 0; i < points.size(); ++i) {
+    const Point2 p = points[i];
+    const double x = reference_T_points.x_m + c * p.x_m - s * p.y_m;
+    const double y = reference_T_points.y_m + s * p.x_m + c * p.y_m;
+    for (int grid = 0; grid < kGrids; ++grid) {
+      const int index = slot(grid, x, y);
+      const int cell = index == kNone ? kNone : slot_cell_[static_cast<std::size_t>(index)];
+      if (cell == kNone) {
+        continue;
+      }
+      const Point2& mean = cells_[static_cast<std::size_t>(cell)].cell.mean;
+      const NdtInformation& b = information_[static_cast<std::size_t>(cell)];
+      const double dx = x - mean.x_m;
+      const double dy = y - mean.y_m;
+      sum += std::exp(-0.5 * (b.xx * dx * dx + 2.0 * b.xy * dx * dy + b.yy * dy * dy));
+    }
+  }
+  return sum / kGrids;
+}
+
+NdtDerivatives Ndt::derivatives(const PointSet& points, const Pose2& reference_T_points) const {
+  const double c = std::cos(reference_T_points.yaw_rad);
+  const double s = std::sin(reference_T_points.yaw_rad);
+  NdtDerivatives out;
+  for (int i = 0; i < points.size(); ++i) {
+    const Point2 p = points[i];
+    const double rx = c * p.x_m - s * p.y_m;
+    const double ry = s * p.x_m + c * p.y_m;
+    const double x = reference_T_points.x_m + rx;
+    const double y = reference_T_points.y_m + ry;
+    Eigen::Vector3d point_gradient = Eigen::Vector3d::Zero();
+    for (int grid = 0; grid < kGrids; ++grid) {
+      const int index = slot(grid, x, y);
+      const int cell = index == kNone ? kNone : slot_cell_[static_cast<std::size_t>(index)];
+      if (cell == kNone) {
+        continue;
+      }
+      const Point2& mean = cells_[static_cast<std::size_t>(cell)].cell.mean;
+      const NdtInformation& b = information_[static_cast<std::size_t>(cell)];
+      const double dx = x - mean.x_m;
+      const double dy = y - mean.y_m;
+      const double bx = b.xx * dx + b.xy * dy;  // S^-1 d
+      const double by = b.xy * dx + b.yy * dy;
+      const double weight = std::exp(-0.5 * (bx * dx + by * dy)) / kGrids;
+      // d moves by (1, 0, -ry) and (0, 1, rx) with (x, y, yaw).
+      const Eigen::Vector3d v(bx, by, -bx * ry + by * rx);  // J^T S^-1 d
+      const double jx = -b.xx * ry + b.xy * rx;
+      const double jy = -b.xy * ry + b.yy * rx;
+      Eigen::Matrix3d curvature;
+      curvature << b.xx, b.xy, jx, b.xy, b.yy, jy, jx, jy, -ry * jx + rx * jy;
+      out.score += weight;
+      point_gradient -= weight * v;
+      out.gauss_newton += weight * curvature;
+      out.hessian += weight * (v * v.transpose() - curvature);
+      out.hessian(2, 2) += weight * (bx * rx + by * ry);
+    }
+    out.gradient += point_gradient;
+    out.gradient_spread += point_gradient * point_gradient.transpose();
+  }
+  return out;
+}
+
+}  // namespace odoless

@@ -1,0 +1,211 @@
+#include "core/ndt/score_raster.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/hot.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kReach_sigmas = 3.7;  // farther out a Gaussian rounds to nothing in 16 bits
+constexpr std::int16_t kFreeBit = 1;   // the lowest bit says that a pixel is marked as free
+
+// exp(-t) for t >= 0 as (1 - t/32)^32: smooth, monotone and made of multiplications alone.
+inline float fast_exp_of_minus(float t) {
+  float base = std::max(0.0F, 1.0F - t * (1.0F / 32.0F));
+  base *= base;
+  base *= base;
+  base *= base;
+  base *= base;
+  return base * base;
+}
+
+// Adds a Gaussian along one row: exponent (a u^2 + 2 b u + c) / 2 with u = u0 + i * du.
+ODOLESS_HOT void add_gaussian_row(std::int16_t* row, int count, float u0, float du, float a, float b, float c) {
+  constexpr auto kScale = static_cast<float>(ScoreRaster::kUnit / Ndt::kGrids);
+  for (int i = 0; i < count; ++i) {
+    const float u = u0 + static_cast<float>(i) * du;
+    const float value = kScale * fast_exp_of_minus(0.5F * ((a * u + 2.0F * b) * u + c));
+    row[i] = static_cast<std::int16_t>(row[i] + 2 * static_cast<std::int16_t>(0.5F * value));
+  }
+}
+
+ODOLESS_HOT void mark_free_row(std::int16_t* row, int count, int penalty_1024ths) {
+  constexpr int kFull = static_cast<int>(ScoreRaster::kUnit);
+  for (int i = 0; i < count; ++i) {
+    const int n = row[i];
+    const int lowered = n - ((std::max(0, kFull - 4 * n) * penalty_1024ths) >> 10);
+    row[i] = static_cast<std::int16_t>((n & kFreeBit) != 0 ? n : (lowered | kFreeBit));
+  }
+}
+
+struct RigidF {
+  float c, s, x_px, y_px;
+};
+
+constexpr std::size_t kBlock = 128;
+
+ODOLESS_HOT void pixel_indices(const float* x_m, const float* y_m, std::size_t count, const RigidF& t, int side_px,
+                               std::int32_t* indices) {
+  const auto limit = static_cast<float>(side_px - 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float column = std::min(std::max(t.c * x_m[i] - t.s * y_m[i] + t.x_px, 0.0F), limit);
+    const float row = std::min(std::max(t.s * x_m[i] + t.c * y_m[i] + t.y_px, 0.0F), limit);
+    indices[i] = static_cast<std::int32_t>(row) * side_px + static_cast<std::int32_t>(column);
+  }
+}
+
+}  // namespace
+
+ScoreRaster::ScoreRaster(const RasterParams& params)
+    : params_(params),
+      side_px_(2 * static_cast<int>(std::ceil(params.extent_m / params.resolution_m)) + 2),
+      inverse_resolution_(1.0 / params.resolution_m) {
+  ODOLESS_CHECK(parameters_in_range(params));
+  pixels_.assign(static_cast<std::size_t>(side_px_) * static_cast<std::size_t>(side_px_), 0);
+}
+
+void ScoreRaster::paint(const Ndt& ndt) {
+  std::fill(pixels_.begin(), pixels_.end(), std::int16_t{0});
+  for (const Ndt::PlacedCell& placed : ndt.cells()) {
+    paint_cell(placed, ndt.params().cell_size_m, ndt.params().sigma_ratio_min);
+  }
+}
+
+void ScoreRaster::paint_cell(const Ndt::PlacedCell& placed, double side_m, double sigma_ratio_min) {
+  const NdtCell& cell = placed.cell;
+  const NdtInformation b = mended_information(cell, params_.sigma_min_m, sigma_ratio_min);
+  const double determinant = b.xx * b.yy - b.xy * b.xy;
+  const double reach_x_m = kReach_sigmas * std::sqrt(b.yy / determinant);
+  const double reach_y_m = kReach_sigmas * std::sqrt(b.xx / determinant);
+  const double half_px = 0.5 * side_px_;
+  // Pixels whose centres lie in the cell and within reach; the outermost ring stays empty for points outside.
+  const auto first_px = [&](double corner_m, double mean_m, double reach_m) {
+    return std::max(
+        1, static_cast<int>(std::ceil(std::max(corner_m, mean_m - reach_m) * inverse_resolution_ + half_px - 0.5)));
+  };
+  const auto end_px = [&](double corner_m, double mean_m, double reach_m) {
+    return std::min(side_px_ - 1,
+                    static_cast<int>(std::ceil(std::min(corner_m + side_m, mean_m + reach_m) * inverse_resolution_ +
+                                               half_px - 0.5)));
+  };
+  const int left = first_px(placed.corner.x_m, cell.mean.x_m, reach_x_m);
+  const int right = end_px(placed.corner.x_m, cell.mean.x_m, reach_x_m);
+  const int bottom = first_px(placed.corner.y_m, cell.mean.y_m, reach_y_m);
+  const int top = end_px(placed.corner.y_m, cell.mean.y_m, reach_y_m);
+  const double u0 = (left + 0.5 - half_px) * params_.resolution_m - cell.mean.x_m;
+  for (int row = bottom; row < top; ++row) {
+    const double v = (row + 0.5 - half_px) * params_.resolution_m - cell.mean.y_m;
+    std::int16_t* const first =
+        &pixels_[static_cast<std::size_t>(row) * static_cast<std::size_t>(side_px_) + static_cast<std::size_t>(left)];
+    add_gaussian_row(first, right - left, static_cast<float>(u0), static_cast<float>(params_.resolution_m),
+                     static_cast<float>(b.xx), static_cast<float>(b.xy * v), static_cast<float>(b.yy * v * v));
+  }
+}
+
+void ScoreRaster::mark_free(const ScanFrame& scan, const Pose2& reference_T_scan, double margin_m, double penalty) {
+  const double half_step_rad = 0.5 * std::abs(scan.angle_step_rad());
+  const int beams = std::min(scan.size(), static_cast<int>(2.0 * kPi / std::abs(scan.angle_step_rad()) + 1e-6));
+  const Point2 apex{reference_T_scan.x_m, reference_T_scan.y_m};
+  for (int i = 0; i < beams; ++i) {
+    if (!scan.is_return(i)) {
+      continue;
+    }
+    double radius_m = scan.range_m(i);
+    for (const int neighbour : {i - 1, i + 1}) {
+      if (neighbour >= 0 && neighbour < scan.size() && scan.is_return(neighbour)) {
+        radius_m = std::min(radius_m, scan.range_m(neighbour));
+      }
+    }
+    radius_m -= margin_m;
+    if (radius_m > params_.resolution_m) {
+      const double middle_rad = reference_T_scan.yaw_rad + scan.angle_rad(i);
+      mark_wedge(middle_rad - half_step_rad, middle_rad + half_step_rad, radius_m, apex, penalty);
+    }
+  }
+}
+
+void ScoreRaster::mark_wedge(double start_rad, double end_rad, double radius_m, const Point2& apex, double penalty) {
+  const double turns = std::floor(start_rad / (2.0 * kPi));
+  double from_rad = start_rad - turns * 2.0 * kPi;
+  const double to_rad = end_rad - turns * 2.0 * kPi;
+  // At most two half turns hold a wedge of one beam, three after the wrap.
+  for (int half_turn = static_cast<int>(from_rad / kPi); half_turn <= 2 && from_rad < to_rad; ++half_turn) {
+    const double base_rad = half_turn * kPi;
+    const double until_rad = std::min(to_rad, base_rad + kPi);
+    const double a_rad = from_rad - base_rad;
+    const double b_rad = until_rad - base_rad;
+    if (half_turn % 2 == 0) {
+      mark_half_wedge(a_rad, b_rad, radius_m, apex, 1.0, penalty);
+    } else {
+      mark_half_wedge(kPi - b_rad, kPi - a_rad, radius_m, apex, -1.0, penalty);
+    }
+    from_rad = until_rad;
+  }
+}
+
+void ScoreRaster::mark_half_wedge(double start_rad, double end_rad, double radius_m, const Point2& apex, double mirror,
+                                  double penalty) {
+  constexpr double kHuge = 1e6;
+  const double cot_start = start_rad > 1e-6 ? std::cos(start_rad) / std::sin(start_rad) : kHuge;
+  const double cot_end = end_rad < kPi - 1e-6 ? std::cos(end_rad) / std::sin(end_rad) : -kHuge;
+  const bool has_top = start_rad < 0.5 * kPi && end_rad > 0.5 * kPi;
+  const double height_m = radius_m * (has_top ? 1.0 : std::max(std::sin(start_rad), std::sin(end_rad)));
+  const double half_px = 0.5 * side_px_;
+  const double apex_row_px = apex.y_m * inverse_resolution_ + half_px - 0.5;
+  const double apex_column_px = apex.x_m * inverse_resolution_ + half_px;
+  const int step = mirror > 0.0 ? 1 : -1;
+  int row = static_cast<int>(mirror > 0.0 ? std::floor(apex_row_px) + 1.0 : std::ceil(apex_row_px) - 1.0);
+  for (; row >= 0 && row < side_px_; row += step) {
+    const double v_m = std::abs(row - apex_row_px) * params_.resolution_m;
+    if (v_m > height_m) {
+      break;
+    }
+    const double reach_m = std::sqrt(std::max(0.0, radius_m * radius_m - v_m * v_m));
+    const double left_m = std::max(-reach_m, v_m * cot_end);
+    const double right_m = std::min(reach_m, v_m * cot_start);
+    mark_span(row, apex_column_px + left_m * inverse_resolution_, apex_column_px + right_m * inverse_resolution_,
+              penalty);
+  }
+}
+
+void ScoreRaster::mark_span(int row, double from_px, double to_px, double penalty) {
+  const int from = std::max(1, static_cast<int>(std::ceil(std::max(0.0, from_px) - 0.5)));
+  const int to = std::min(side_px_ - 1, static_cast<int>(std::ceil(std::min<double>(side_px_, to_px) - 0.5)));
+  if (row > 0 && row < side_px_ - 1 && from < to) {
+    std::int16_t* const first =
+        &pixels_[static_cast<std::size_t>(row) * static_cast<std::size_t>(side_px_) + static_cast<std::size_t>(from)];
+    mark_free_row(first, to - from, static_cast<int>(penalty * 1024.0));
+  }
+}
+
+double ScoreRaster::score(std::span<const float> x_m, std::span<const float> y_m,
+                          const Pose2& reference_T_points) const {
+  const double half_px = 0.5 * side_px_;
+  const RigidF transform{static_cast<float>(std::cos(reference_T_points.yaw_rad) * inverse_resolution_),
+                         static_cast<float>(std::sin(reference_T_points.yaw_rad) * inverse_resolution_),
+                         static_cast<float>(reference_T_points.x_m * inverse_resolution_ + half_px),
+                         static_cast<float>(reference_T_points.y_m * inverse_resolution_ + half_px)};
+  std::array<std::int32_t, kBlock> indices;
+  std::int32_t sum = 0;
+  for (std::size_t start = 0; start < x_m.size(); start += kBlock) {
+    const std::size_t count = std::min(kBlock, x_m.size() - start);
+    pixel_indices(x_m.data() + start, y_m.data() + start, count, transform, side_px_, indices.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      sum += pixels_[static_cast<std::size_t>(indices[i])];
+    }
+  }
+  return sum / kUnit;
+}
+
+double ScoreRaster::at(const Point2& p_reference) const {
+  const auto x = static_cast<float>(p_reference.x_m);
+  const auto y = static_cast<float>(p_reference.y_m);
+  return score({&x, 1}, {&y, 1}, Pose2{});
+}
+
+}  // namespace odoless

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/deadline.hpp"
+#include "core/base/parameters.hpp"
+#include "core/base/rng.hpp"
+#include "core/match/match_reference.hpp"
+#include "core/match/ndt_matcher.hpp"
+#include "core/scan/scan_frame.hpp"
+
+namespace odoless {
+
+struct LaserOdometryParams {
+  int key_scans = 40;
+  double key_distance_m = 0.3;
+  double key_rotation_rad = 0.35;
+  double acceleration_sd_mps2 = 1.5;
+  double angular_acceleration_sd_radps2 = 8.0;
+  double period_min_s = 0.02;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.value("key_scans", self.key_scans, Range{1, 200}, "Key scans that make the local map.");
+    visit.value("key_distance_m", self.key_distance_m, Range{0.0, 10.0},
+                "Travel after which a scan becomes a key scan.");
+    visit.value("key_rotation_rad", self.key_rotation_rad, Range{0.0, 3.1416},
+                "Rotation after which a scan becomes a key scan.");
+    visit.value(
+        "acceleration_sd_mps2", self.acceleration_sd_mps2, Range{0.0, 1000.0},
+        "Deviation of the acceleration that is expected of the robot; it holds the estimate where the scene does not.");
+    visit.value("angular_acceleration_sd_radps2", self.angular_acceleration_sd_radps2, Range{0.0, 10000.0},
+                "The same of its rotation.");
+    visit.value("period_min_s", self.period_min_s, Range{0.001, 10.0},
+                "Stamps nearer than this are taken to be this far apart.");
+  }
+};
+
+/// One step of laser odometry.
+struct OdometryStep {
+  std::int64_t from_stamp_ns = 0;
+  std::int64_t to_stamp_ns = 0;
+  Pose2 previous_T_current{};
+  Pose2 odom_T_scan{};
+  MatchResult match;
+  bool matched = false;  ///< false for the first scan, and where nothing could be matched: then the prediction stands
+};
+
+/// Tracks the laser by matching each scan to the local map of the last key scans. No prior but constant velocity.
+///
+/// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; one match per scan, and one
+/// rebuild of the local map per key scan.
+class LaserOdometry {
+ public:
+  LaserOdometry(const LaserOdometryParams& params, const MatcherParams& matcher, const ScanParams& scan);
+
+  [[nodiscard]] OdometryStep process(const ScanFrame& scan, const Deadline& deadline, Rng& rng);
+
+ private:
+  struct KeyScan {
+    ScanFrame scan;
+    Pose2 odom_T_scan;
+  };
+  [[nodiscard]] Pose2 predict(double period_s) const;
+  [[nodiscard]] Pose2 fuse(const Pose2& prediction, const MatchResult& match, double period_s) const;
+  void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
+
+  LaserOdometryParams params_;
+  NdtMatcher matcher_;
+  MatchReference reference_;
+  std::vector<KeyScan> keys_;
+  std::vector<PlacedScan> placed_;
+  int key_count_ = 0;
+  int newest_key_ = -1;
+  std::int64_t stamp_ns_ = 0;
+  Pose2 odom_T_scan_{};
+  double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;
+};
+
+}  // namespace odoless

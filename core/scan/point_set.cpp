@@ -1,0 +1,25 @@
+#include "core/scan/point_set.hpp"
+
+#include <limits>
+
+namespace odoless {
+
+void append_thinned(const ScanFrame& scan, const Pose2& target_T_scan, double spacing_m, PointSet& out) {
+  const double c = std::cos(target_T_scan.yaw_rad);
+  const double s = std::sin(target_T_scan.yaw_rad);
+  constexpr double kFar_m = std::numeric_limits<double>::max();
+  Point2 last{kFar_m, kFar_m};
+  for (int i = 0; i < scan.size(); ++i) {
+    if (!scan.is_return(i)) {
+      continue;
+    }
+    const Point2 p = scan.point(i);
+    if (std::hypot(p.x_m - last.x_m, p.y_m - last.y_m) < spacing_m) {
+      continue;
+    }
+    last = p;
+    out.push_back({target_T_scan.x_m + c * p.x_m - s * p.y_m, target_T_scan.y_m + s * p.x_m + c * p.y_m});
+  }
+}
+
+}  // namespace odoless

@@ -1,0 +1,108 @@
+#pragma once
+
+#include "core/base/parameters.hpp"
+#include "core/grid/cell.hpp"
+#include "core/grid/grid_walk.hpp"
+#include "core/slam/decay.hpp"
+
+namespace odoless {
+
+struct BeamModelParams {
+  double sigma_m = 0.1;
+  double floor = 0.1;
+  double unknown_rho_m = 8.0;
+  double rho_min_m = 0.02;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.value("sigma_m", self.sigma_m, Range{0.005, 2.0}, "Deviation of a range from the distance to what it hit.");
+    visit.value("floor", self.floor, Range{1e-6, 0.9}, "Likelihood of a beam that the map does not explain at all.");
+    visit.value("unknown_rho_m", self.unknown_rho_m, Range{0.05, 1000.0},
+                "Mean distance that a beam travels in cells never seen.");
+    visit.value("rho_min_m", self.rho_min_m, Range{0.0005, 1.0},
+                "Least mean distance that a beam travels in a cell, however often beams stopped in it.");
+  }
+};
+
+/// How likely a beam is in a map of opacities, and what it adds to one [eliazar2004dpslam2].
+///
+/// In a cell with mean travel rho = distance / hits a beam stops within x with probability 1 - exp(-x / rho). The
+/// likelihood of a range z sums, over the cells on the beam's way, P(reach) P(stop in the cell) exp(-(z - m)^2 / 2
+/// sigma^2) with m the way to the middle of the path in the cell, and is lifted by a uniform floor. Constant factors
+/// are left out: they cancel when weights are normalised.
+///
+/// `Map` has `at(column, row)`, which returns a Cell for every column and row.
+/// Units:     lengths along a walk are in cells. Thread: immutable. Real time: no allocation, bounded by the walk.
+class BeamModel {
+ public:
+  BeamModel(const BeamModelParams& params, double resolution_m)
+      : resolution_m_(static_cast<float>(resolution_m)),
+        floor_(static_cast<float>(params.floor)),
+        sigmas_per_cell_(static_cast<float>(resolution_m / params.sigma_m)),
+        unknown_stops_per_m_(static_cast<float>(1.0 / params.unknown_rho_m)),
+        rho_min_m_(static_cast<float>(params.rho_min_m)) {}
+
+  /// Way beyond a range that a walk must cover for `likelihood`.
+  [[nodiscard]] double reach_cells() const { return kSigmas / static_cast<double>(sigmas_per_cell_); }
+
+  /// Likelihood, in (0, 1], of a beam that stopped after `measured_cells`; the walk goes on for `reach_cells`.
+  template <class Map>
+  [[nodiscard]] float likelihood(Map& map, GridWalk walk, float measured_cells) const {
+    const float near_cells = measured_cells - kSigmas / sigmas_per_cell_;
+    float depth = 0.0F;  // integral of 1 / rho along the way: P(reach) = exp(-depth)
+    float sum = 0.0F;
+    do {
+      const Cell& cell = map.at(walk.column(), walk.row());
+      if (cell.is_free()) {
+        continue;
+      }
+      const float behind = depth + stops_per_m(cell) * walk.length() * resolution_m_;
+      if (walk.exit() > near_cells) {
+        const float middle_cells = 0.5F * (walk.enter() + walk.exit());
+        const float sigmas = (measured_cells - middle_cells) * sigmas_per_cell_;
+        sum += (decay(depth) - decay(behind)) * decay(0.5F * sigmas * sigmas);
+      }
+      depth = behind;
+    } while (depth < kOpaque && walk.next());
+    return lifted(sum);
+  }
+
+  /// Likelihood of a beam that passed all of the walk.
+  template <class Map>
+  [[nodiscard]] float likelihood_of_passing(Map& map, GridWalk walk) const {
+    float depth = 0.0F;
+    do {
+      const Cell& cell = map.at(walk.column(), walk.row());
+      depth += cell.is_free() ? 0.0F : stops_per_m(cell) * walk.length() * resolution_m_;
+    } while (depth < kOpaque && walk.next());
+    return lifted(decay(depth));
+  }
+
+  /// Adds a beam's way to the map, and its stop at the end of the walk if it stopped.
+  template <class Map>
+  void integrate(Map& map, GridWalk walk, bool stopped) const {
+    Cell* cell = nullptr;
+    do {
+      cell = &map.at(walk.column(), walk.row());
+      cell->distance_m += walk.length() * resolution_m_;
+    } while (walk.next());
+    cell->hits += stopped ? 1.0F : 0.0F;
+  }
+
+ private:
+  static constexpr float kSigmas = 3.0F;
+  static constexpr float kOpaque = 12.0F;  ///< P(reach) < 1e-5: what lies behind does not count
+
+  [[nodiscard]] float stops_per_m(const Cell& cell) const {
+    return cell.is_unknown() ? unknown_stops_per_m_ : cell.stops_per_m(rho_min_m_);
+  }
+  [[nodiscard]] float lifted(float likelihood) const { return floor_ + (1.0F - floor_) * likelihood; }
+
+  float resolution_m_;
+  float floor_;
+  float sigmas_per_cell_;
+  float unknown_stops_per_m_;
+  float rho_min_m_;
+};
+
+}  // namespace odoless

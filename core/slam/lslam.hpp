@@ -1,0 +1,121 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/rng.hpp"
+#include "core/geometry/pose2.hpp"
+#include "core/grid/ancestry_grid.hpp"
+#include "core/grid/occupancy_map.hpp"
+#include "core/motion/motion_increment.hpp"
+#include "core/motion/scan_matching_motion_model.hpp"
+#include "core/motion/travel_speed.hpp"
+#include "core/scan/scan_frame.hpp"
+#include "core/slam/lslam_params.hpp"
+#include "core/slam/path_pool.hpp"
+#include "core/slam/pose_search.hpp"
+#include "core/slam/scan_beams.hpp"
+
+namespace odoless {
+
+/// What an update did.
+struct UpdateReport {
+  double effective_particles = 0.0;      ///< before resampling
+  bool resampled = false;                ///< also true for the first update, which spreads the first particle
+  int beams_weighed = 0;                 ///< 0: the scan had no usable beam, weights stay
+  double log_likelihood_per_beam = 0.0;  ///< of the best particle, before tempering; at most 0
+  double lambda_m = 0.0;                 ///< travel that the speed promised
+  std::int64_t refused_tiles = 0;        ///< observations refused since the pool of tiles is full
+  std::int64_t outside_tiles = 0;        ///< observations outside of the grid
+  std::int64_t thinned_poses = 0;        ///< poses that went from the paths since their pool was full
+};
+
+/// The particles' opinion in one Gaussian.
+struct PoseEstimate {
+  Pose2 map_T_scan;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< over (x_m, y_m, yaw_rad), map axes
+};
+
+/// Low-level DP-SLAM: a particle filter over poses and maps [eliazar2003dpslam, eliazar2004dpslam2].
+///
+/// An update (1) draws each particle's pose from the scan-matching motion model, (2) weighs it by the scan's likelihood
+/// in its own map, (3) if too few particles matter, keeps those that a systematic resampling picks, (4) puts the scan
+/// into the survivors' maps and (5) lets them multiply. The first update since `reset` does (4) and (5) alone.
+///
+/// Frames:    poses are map_T_scan: of the laser, x forward, whose scans the matcher compares.
+/// Full pool: observations that find no room are refused and counted, and the next update drops the weakest half of the
+///            particles, which gives their tiles back.
+/// Thread:    owned by one thread, but for what is copied out.
+/// Real time: `update` and `reset` do not allocate, lock or read a clock; the time of an update is bounded by
+/// particles,
+///            beams and their length in cells, and does not depend on the map's size or the length of the run.
+/// Promises:  the same seed, increments and scans give the same bits; poses, weights and maps are those of particles
+///            with a copied map each (tests/core/slam/lslam_oracle_test.cpp).
+class Lslam {
+ public:
+  Lslam(const LslamParams& params, std::uint64_t seed);
+
+  /// Forgets everything but the generator's state; the next scan is taken from here.
+  void reset(const Pose2& map_T_scan);
+
+  /// @param increment  From the scan of the last update to this one; ignored in the first. Finite.
+  [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan);
+
+  /// Particles: one before the first update, then `params.particles`.
+  [[nodiscard]] int particles() const { return grid_.tree().particles(); }
+  [[nodiscard]] const Pose2& pose(int particle) const { return poses_[static_cast<std::size_t>(particle)]; }
+  /// Sum 1.
+  [[nodiscard]] double weight(int particle) const { return weights_[static_cast<std::size_t>(particle)]; }
+  /// The heaviest particle; just after resampling a copy of it.
+  [[nodiscard]] int best() const { return best_; }
+  [[nodiscard]] double effective_particles() const;
+  /// Weighted mean and covariance; yaw is averaged on the circle.
+  [[nodiscard]] PoseEstimate estimate() const;
+
+  /// A particle's map, to read cells from; not const, since looks are remembered.
+  [[nodiscard]] AncestryGrid::View map(int particle) { return grid_.view(particle); }
+  /// The best particle's map. May allocate, in `map` alone.
+  void write_occupancy(OccupancyMap& map) { grid_.write_occupancy(best_, params_.beam.rho_min_m, map); }
+  /// The best particle's poses, one per update, oldest first. May allocate, in `path` alone.
+  void write_path(std::vector<StampedPose>& path) const { paths_.write_path(best_, path); }
+
+  [[nodiscard]] const LslamParams& params() const { return params_; }
+  [[nodiscard]] const GridGeometry& geometry() const { return grid_.geometry(); }
+  /// Tiles of the pool in use, of `params.grid.tiles_max`.
+  [[nodiscard]] int tiles_used() const { return grid_.tiles_used(); }
+  /// All memory set aside at construction.
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  void move(const MotionIncrement& increment, UpdateReport& report);
+  void weigh(const ScanFrame& scan, UpdateReport& report);
+  [[nodiscard]] ScoredPose refined(int particle, std::span<const Beam> beams);
+  [[nodiscard]] bool select_survivors(UpdateReport& report);
+  void map_scan(const ScanFrame& scan, bool only_survivors);
+  void multiply();
+  void count(const AncestryGrid::Counters& before, std::int64_t thinned_before, UpdateReport& report);
+
+  LslamParams params_;
+  ScanMatchingMotionModel motion_;
+  BeamModel model_;
+  AncestryGrid grid_;
+  PathPool paths_;
+  TravelSpeed speed_;
+  Rng rng_;
+  std::vector<Pose2> poses_;
+  std::vector<Pose2> old_poses_;
+  std::vector<double> log_weights_;
+  std::vector<double> weights_;
+  std::vector<double> scores_;
+  std::vector<int> copies_;
+  std::vector<int> scratch_;
+  std::vector<Beam> beams_;
+  int best_ = 0;
+  bool started_ = false;
+  bool pool_was_full_ = false;
+};
+
+}  // namespace odoless

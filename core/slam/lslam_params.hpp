@@ -1,0 +1,52 @@
+#pragma once
+
+#include "core/base/parameters.hpp"
+#include "core/grid/ancestry_grid.hpp"
+#include "core/motion/scan_matching_motion_model.hpp"
+#include "core/slam/beam_model.hpp"
+
+namespace odoless {
+
+/// Of the low-level DP-SLAM filter.
+struct LslamParams {
+  int particles = 100;
+  int beams_used = 60;
+  double tempering = 0.2;
+  double resample_below = 0.5;
+  int refine_steps = 0;
+  double refine_step_m = 0.05;
+  double refine_step_rad = 0.01;
+  bool weigh_no_return = false;
+  double free_no_return_m = 0.0;
+  int path_records_max = 65536;
+  MotionModelParams motion;
+  BeamModelParams beam;
+  AncestryGridParams grid;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.value("particles", self.particles, Range{1, 10'000}, "Hypotheses of pose and map.");
+    visit.value("beams_used", self.beams_used, Range{1, 16384},
+                "Most beams of a scan that weigh the particles, evenly picked; the map takes all.");
+    visit.value(
+        "tempering", self.tempering, Range{0.0, 1.0},
+        "Exponent of a scan's likelihood, since its beams err together and not independently; 1: as published.");
+    visit.value("resample_below", self.resample_below, Range{0.0, 1.0},
+                "Share of the particles; with fewer effective ones the filter resamples.");
+    visit.value("refine_steps", self.refine_steps, Range{0, 50},
+                "Rounds of a search for a better pose around each sample, in the particle's own map; 0: as published.");
+    visit.value("refine_step_m", self.refine_step_m, Range{0.0005, 1.0}, "First step of that search along x and y.");
+    visit.value("refine_step_rad", self.refine_step_rad, Range{0.0001, 0.5}, "First step of that search in yaw.");
+    visit.flag("weigh_no_return", self.weigh_no_return,
+               "Whether a beam without return speaks for free space up to the laser's range in the weights.");
+    visit.value("free_no_return_m", self.free_no_return_m, Range{0.0, 200.0},
+                "Way that a beam without return clears in the map; 0: it says nothing.");
+    visit.value("path_records_max", self.path_records_max, Range{1024, 100'000'000},
+                "Pool of poses of the particles' paths; at least 16 per particle, older ones are thinned when full.");
+    visit.group("motion", self.motion, "Scan-matching motion model.");
+    visit.group("beam", self.beam, "Likelihood of a beam.");
+    visit.group("grid", self.grid, "The particles' maps.");
+  }
+};
+
+}  // namespace odoless

@@ -1,0 +1,117 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+#include <string>
+
+#include "config/config.hpp"
+#include "tests/config/example_params.hpp"
+
+namespace odoless {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(WriteToml, IsCommentedWithMeaningAndRange) {
+  EXPECT_EQ(write_toml(ExampleOuterParams{}), R"([matcher]
+# Side of an NDT cell. Range: 0.1 to 20
+cell_size_m = 1.0
+# Number of particles. Range: 1 to 1000
+particles = 100
+# Where chance starts. Range: 0 to 9223372036854775807
+seed = 1
+# Whether a Newton step ends the search.
+refine = true
+# NDT's colour. Range: "red" or "green" or "blue"
+colour = "green"
+
+[matcher.inner]
+# Widest turn searched. Range: 0 to 180
+yaw_max_deg = 20.0
+# Share of a | that is kept. Range: 0 to 1
+gain = 0.5
+# Time between scans. Range: 1e-06 to 10000
+period_ms = 100.0
+)");
+}
+
+TEST(WriteToml, PutsTheFilesTopBeforeItsTables) {
+  const std::string toml = write_toml(ExampleParams{});
+  EXPECT_LT(toml.find("refine"), toml.find("[inner]"));
+  ExampleParams read;
+  EXPECT_NO_THROW(parse_parameters(toml, "f", read));
+}
+
+void expect_equal(const ExampleParams& a, const ExampleParams& b) {
+  RC_ASSERT(a.cell_size_m == b.cell_size_m);
+  RC_ASSERT(a.particles == b.particles);
+  RC_ASSERT(a.seed == b.seed);
+  RC_ASSERT(a.refine == b.refine);
+  RC_ASSERT(a.colour == b.colour);
+  RC_ASSERT(a.inner.gain == b.inner.gain);
+  RC_ASSERT(a.inner.period_ns == b.inner.period_ns);
+}
+
+double real_within(double low, double high) {
+  const auto share = static_cast<double>(*rc::gen::arbitrary<std::uint32_t>()) * 0x1p-32;
+  return low + (high - low) * share;
+}
+
+ExampleParams arbitrary_params() {
+  ExampleParams params;
+  params.cell_size_m = real_within(0.1, 20.0);
+  params.particles = *rc::gen::inRange(1, 1001);
+  params.seed = *rc::gen::suchThat<std::int64_t>([](std::int64_t seed) { return seed >= 0; });
+  params.refine = *rc::gen::arbitrary<bool>();
+  params.colour = static_cast<ExampleColour>(*rc::gen::inRange(0, 3));
+  params.inner.gain = real_within(0.0, 1.0);
+  params.inner.yaw_max_rad = real_within(0.0, 3.14);
+  params.inner.period_ns = *rc::gen::inRange<std::int64_t>(1, 10'000'000'001);
+  return params;
+}
+
+TEST(WriteToml, IsReadBackExactly) {
+  EXPECT_TRUE(rc::check([] {
+    const ExampleParams written = arbitrary_params();
+    ExampleParams read;
+    parse_parameters(write_toml(written), "f", read);
+    expect_equal(read, written);
+    RC_ASSERT(std::abs(read.inner.yaw_max_rad - written.inner.yaw_max_rad) <= 1e-15);
+  }));
+}
+
+TEST(WriteToml, OfWhatAFileSaidIsReadBackExactly) {
+  EXPECT_TRUE(rc::check([] {
+    ExampleInnerParams once;
+    parse_parameters("yaw_max_deg = " + std::to_string(real_within(0.0, 180.0)), "f", once);
+    ExampleInnerParams twice;
+    parse_parameters(write_toml(once), "f", twice);
+    RC_ASSERT(once.yaw_max_rad == twice.yaw_max_rad);
+  }));
+}
+
+// A default that no number of degrees gives must survive too, or writing the defaults to a file would change a run.
+TEST(WriteToml, KeepsEveryBitOfADefault) {
+  EXPECT_TRUE(rc::check([] {
+    ExampleInnerParams defaults;
+    defaults.yaw_max_rad = real_within(0.0, 3.14);
+    ExampleInnerParams read = defaults;
+    parse_parameters(write_toml(defaults), "f", read);
+    RC_ASSERT(read.yaw_max_rad == defaults.yaw_max_rad);
+  }));
+}
+
+TEST(WriteReference, HasOneRowPerKey) {
+  const std::string page = write_reference(ExampleOuterParams{});
+  EXPECT_THAT(page, HasSubstr("| `matcher.cell_size_m` | number | 1.0 | 0.1 to 20 | m | Side of an NDT cell. |\n"));
+  EXPECT_THAT(page,
+              HasSubstr("| `matcher.inner.yaw_max_deg` | number | 20.0 | 0 to 180 | deg | Widest turn searched. |\n"));
+  EXPECT_THAT(page,
+              HasSubstr("| `matcher.refine` | boolean | true |  |  | Whether a Newton step ends the search. |\n"));
+  EXPECT_THAT(page, HasSubstr("Share of a \\| that is kept."));
+  EXPECT_EQ(std::count(page.begin(), page.end(), '\n'), 2 + 8);
+}
+
+}  // namespace
+}  // namespace odoless

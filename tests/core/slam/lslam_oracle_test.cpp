@@ -1,0 +1,105 @@
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <string>
+
+#include "core/slam/lslam.hpp"
+#include "tests/support/plain_particles.hpp"
+#include "tests/support/simulated_room.hpp"
+
+namespace odoless {
+namespace {
+
+/// A grid that the room does not quite fit into, so that its border is met.
+LslamParams small_filter() {
+  LslamParams params;
+  params.particles = 24;
+  params.beams_used = 30;
+  params.tempering = 0.5;
+  params.path_records_max = 4096;
+  params.grid = {.resolution_m = 0.1, .width_m = 6.4, .height_m = 3.2, .tiles_max = 8000};
+  return params;
+}
+
+::testing::AssertionResult same_pose(const Pose2& a, const Pose2& b) {
+  const bool same = a.x_m == b.x_m && a.y_m == b.y_m && a.yaw_rad == b.yaw_rad;
+  return same ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << a.x_m << " is not " << b.x_m;
+}
+
+void expect_same_map(AncestryGrid::View view, PlainMap& plain, const GridGeometry& grid) {
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const Cell& cell = view.at(column, row);
+      const Cell& expected = plain.at(column, row);
+      ASSERT_EQ(cell.distance_m, expected.distance_m) << column << ", " << row;
+      ASSERT_EQ(cell.hits, expected.hits) << column << ", " << row;
+    }
+  }
+}
+
+void expect_same_path(const std::vector<StampedPose>& path, const std::vector<StampedPose>& expected) {
+  ASSERT_EQ(path.size(), expected.size());
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    ASSERT_EQ(path[i].stamp_ns, expected[i].stamp_ns);
+    ASSERT_TRUE(same_pose(path[i].map_T_scan, expected[i].map_T_scan));
+  }
+}
+
+struct OracleCase {
+  std::string name;
+  LslamParams params;
+  int resamplings_least;
+
+  friend void PrintTo(const OracleCase& oracle_case, std::ostream* out) { *out << oracle_case.name; }
+};
+
+class LslamOracle : public ::testing::TestWithParam<OracleCase> {};
+
+TEST_P(LslamOracle, GivesTheBitsOfParticlesThatEachCopyTheirMap) {
+  const LslamParams& params = GetParam().params;
+  Lslam lslam(params, 7);
+  PlainParticles plain(params, 7);
+  SimulatedRoom room(3);
+  int resamplings = 0;
+  for (int update = 0; update < 60; ++update) {
+    room.step();
+    const UpdateReport report = lslam.update(room.increment(), room.scan());
+    plain.update(room.increment(), room.scan());
+    ASSERT_EQ(report.resampled, plain.resampled());
+    ASSERT_EQ(report.refused_tiles, 0);
+    resamplings += report.resampled ? 1 : 0;
+    ASSERT_EQ(lslam.particles(), params.particles);
+    for (int i = 0; i < lslam.particles(); ++i) {
+      const auto index = static_cast<std::size_t>(i);
+      ASSERT_TRUE(same_pose(lslam.pose(i), plain.particles()[index].map_T_scan)) << update << ", particle " << i;
+      ASSERT_EQ(lslam.weight(i), plain.weights()[index]) << update << ", particle " << i;
+      ASSERT_NO_FATAL_FAILURE(expect_same_map(lslam.map(i), plain.particles()[index].map, lslam.geometry()))
+          << update << ", particle " << i;
+    }
+  }
+  std::vector<StampedPose> path;
+  lslam.write_path(path);
+  expect_same_path(path, plain.particles()[static_cast<std::size_t>(lslam.best())].path);
+  EXPECT_GE(resamplings, GetParam().resamplings_least);
+}
+
+std::vector<OracleCase> oracle_cases() {
+  OracleCase often{"ResamplesOften", small_filter(), 10};
+  OracleCase always{"ResamplesAlways", small_filter(), 60};
+  always.params.resample_below = 1.0;
+  OracleCase rarely{"ResamplesRarely", small_filter(), 2};
+  rarely.params.resample_below = 0.1;
+  OracleCase one{"HasOneParticle", small_filter(), 1};
+  one.params.particles = 1;
+  OracleCase refined{"RefinesAndUsesBeamsWithoutReturn", small_filter(), 5};
+  refined.params.refine_steps = 3;
+  refined.params.weigh_no_return = true;
+  refined.params.free_no_return_m = 2.0;
+  return {often, always, rarely, one, refined};
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LslamOracle, ::testing::ValuesIn(oracle_cases()),
+                         [](const auto& instance) { return instance.param.name; });
+
+}  // namespace
+}  // namespace odoless

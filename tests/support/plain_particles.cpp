@@ -1,0 +1,96 @@
+#include "tests/support/plain_particles.hpp"
+
+#include <cmath>
+
+#include "core/slam/particle_weights.hpp"
+
+namespace odoless {
+namespace {
+
+/// Lslam's grid ends at a border of its tiles of 16 cells.
+int whole_tiles_cells(double extent_cells) { return 16 * static_cast<int>(std::ceil(extent_cells / 16.0 - 1e-9)); }
+
+}  // namespace
+
+PlainMap::PlainMap(const GridGeometry& grid)
+    : columns_(grid.columns), rows_(grid.rows), cells_(static_cast<std::size_t>(grid.columns * grid.rows)) {}
+
+Cell& PlainMap::at(int column, int row) {
+  if (column < 0 || row < 0 || column >= columns_ || row >= rows_) {
+    outside_ = Cell{};
+    return outside_;
+  }
+  return cells_[static_cast<std::size_t>(row * columns_ + column)];
+}
+
+PlainParticles::PlainParticles(const LslamParams& params, std::uint64_t seed)
+    : params_(params),
+      grid_{.resolution_m = params.grid.resolution_m,
+            .columns = whole_tiles_cells(params.grid.width_m / params.grid.resolution_m),
+            .rows = whole_tiles_cells(params.grid.height_m / params.grid.resolution_m)},
+      motion_(params.motion),
+      model_(params.beam, params.grid.resolution_m),
+      rng_(seed) {
+  particles_.push_back(Particle{{}, 0.0, PlainMap(grid_), {}});
+}
+
+void PlainParticles::update(const MotionIncrement& increment, const ScanFrame& scan) {
+  std::vector<int> copies(particles_.size(), params_.particles);
+  resampled_ = true;
+  if (started_) {
+    const double lambda_m = speed_.lambda_m(increment);
+    const AxisDeviations match{increment.sd_x_m, increment.sd_y_m, increment.sd_yaw_rad};
+    for (Particle& particle : particles_) {
+      particle.map_T_scan = motion_.sample(particle.map_T_scan, increment.previous_T_current, lambda_m, match, rng_);
+    }
+    speed_.add(increment);
+    std::vector<Beam> beams;
+    select_beams(scan, params_.beams_used, params_.weigh_no_return, beams);
+    std::vector<double> log_weights;
+    for (Particle& particle : particles_) {
+      weigh(particle, beams);
+      log_weights.push_back(particle.log_weight);
+    }
+    normalise_weights(log_weights, weights_);
+    resampled_ = effective_particles(weights_) < params_.resample_below * params_.particles;
+    if (resampled_) {
+      systematic_copies(weights_, params_.particles, rng_.uniform(), copies);
+    }
+  }
+  for (Particle& particle : particles_) {
+    map_scan(particle, scan);
+  }
+  if (resampled_) {
+    resample(copies);
+  }
+  started_ = true;
+}
+
+void PlainParticles::weigh(Particle& particle, const std::vector<Beam>& beams) const {
+  const auto score = [&](const Pose2& map_T_scan) {
+    return log_likelihood(model_, BeamCaster(grid_, map_T_scan), particle.map, beams, 1.0 / grid_.resolution_m);
+  };
+  if (!beams.empty()) {
+    const ScoredPose found =
+        climb(particle.map_T_scan, params_.refine_step_m, params_.refine_step_rad, params_.refine_steps, score);
+    particle.map_T_scan = found.pose;
+    particle.log_weight += params_.tempering * found.score;
+  }
+}
+
+void PlainParticles::map_scan(Particle& particle, const ScanFrame& scan) const {
+  integrate_scan(model_, BeamCaster(grid_, particle.map_T_scan), particle.map, scan, params_.free_no_return_m);
+  particle.path.push_back({.stamp_ns = scan.stamp_ns(), .map_T_scan = particle.map_T_scan});
+}
+
+void PlainParticles::resample(const std::vector<int>& copies) {
+  std::vector<Particle> next;
+  for (std::size_t i = 0; i < copies.size(); ++i) {
+    particles_[i].log_weight = 0.0;
+    next.insert(next.end(), static_cast<std::size_t>(copies[i]), particles_[i]);
+  }
+  particles_ = std::move(next);
+  weights_.assign(particles_.size(), 1.0 / params_.particles);
+}
+
+}  // namespace odoless

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <vector>
+
+#include "core/slam/lslam.hpp"
+
+namespace odoless {
+
+/// A map of its own: every cell of the grid, copied as a whole.
+class PlainMap {
+ public:
+  explicit PlainMap(const GridGeometry& grid);
+
+  /// Outside of the grid: a cell that is always unknown when read, and takes what is written.
+  [[nodiscard]] Cell& at(int column, int row);
+
+ private:
+  int columns_;
+  int rows_;
+  std::vector<Cell> cells_;
+  Cell outside_;
+};
+
+/// Lslam with neither ancestry nor shared grid nor pools: each particle owns its map and its path, and copies both when
+/// it is resampled. The oracle for Lslam: the same seed must give the same bits.
+class PlainParticles {
+ public:
+  PlainParticles(const LslamParams& params, std::uint64_t seed);
+
+  void update(const MotionIncrement& increment, const ScanFrame& scan);
+
+  struct Particle {
+    Pose2 map_T_scan;
+    double log_weight = 0.0;
+    PlainMap map;
+    std::vector<StampedPose> path;
+  };
+
+  [[nodiscard]] std::vector<Particle>& particles() { return particles_; }
+  [[nodiscard]] const std::vector<double>& weights() const { return weights_; }
+  [[nodiscard]] bool resampled() const { return resampled_; }
+
+ private:
+  void weigh(Particle& particle, const std::vector<Beam>& beams) const;
+  void map_scan(Particle& particle, const ScanFrame& scan) const;
+  void resample(const std::vector<int>& copies);
+
+  LslamParams params_;
+  GridGeometry grid_;
+  ScanMatchingMotionModel motion_;
+  BeamModel model_;
+  TravelSpeed speed_;
+  Rng rng_;
+  std::vector<Particle> particles_;
+  std::vector<double> weights_;
+  bool started_ = false;
+  bool resampled_ = false;
+};
+
+}  // namespace odoless
