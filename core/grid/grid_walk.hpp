@@ -15,14 +15,14 @@ namespace odoless {
 ///
 /// Units:     cells; cell (c, r) covers [c, c+1) x [r, r+1).
 /// Promises:  lengths are >= 0 and sum up to the beam's; neighbours differ by one in one coordinate; at most
-///            2 * length + 3 cells.
+///            2 * length_cells + 3 cells.
 /// Real time: no allocation, bounded by the length.
 class GridWalk {
  public:
-  /// @param start      Where the beam begins; beyond +-10^9 it is moved there, far outside of any grid.
-  /// @param direction  Unit vector.
-  /// @param length     >= 0; more than 10^6 cells are cut to that.
-  GridWalk(const Point2& start, const Point2& direction, double length)
+  /// @param start         Where the beam begins; beyond +-10^9 it is moved there, far outside of any grid.
+  /// @param direction     Unit vector.
+  /// @param length_cells  >= 0; more than 10^6 cells are cut to that.
+  GridWalk(const Point2& start, const Point2& direction, double length_cells)
       : column_(cell_of(start.x_m)),
         row_(cell_of(start.y_m)),
         step_x_(direction.x_m < 0.0 ? -1 : 1),
@@ -31,7 +31,7 @@ class GridWalk {
         delta_y_(ticks(1.0 / std::abs(direction.y_m))),
         next_x_(ticks(way_to_border(start.x_m, column_, step_x_) / std::abs(direction.x_m))),
         next_y_(ticks(way_to_border(start.y_m, row_, step_y_) / std::abs(direction.y_m))),
-        end_(ticks(std::min(length, kLengthMax))),
+        end_(ticks(std::min(length_cells, kLengthMaxCells))),
         exit_(std::min({next_x_, next_y_, end_})) {}
 
   [[nodiscard]] int column() const { return column_; }
@@ -40,7 +40,7 @@ class GridWalk {
   [[nodiscard]] float enter() const { return cells(enter_); }
   [[nodiscard]] float exit() const { return cells(exit_); }
   /// Length of the path in the present cell.
-  [[nodiscard]] float length() const { return cells(exit_ - enter_); }
+  [[nodiscard]] float length_cells() const { return cells(exit_ - enter_); }
   [[nodiscard]] bool is_last() const { return exit_ == end_; }
 
   /// Steps into the next cell; false, and stays, at the end of the beam.
@@ -61,16 +61,16 @@ class GridWalk {
  private:
   static constexpr double kTicksPerCell = 0x1p32;
   static constexpr double kTicksMax = 0x1p61;  // two of them can be added
-  static constexpr double kLengthMax = 1e6;
+  static constexpr double kLengthMaxCells = 1e6;
   static constexpr double kStartMax = 1e9;
 
   static int cell_of(double x) { return static_cast<int>(std::floor(std::clamp(x, -kStartMax, kStartMax))); }
   static double way_to_border(double x, int cell, int step) {
     return std::clamp(step > 0 ? cell + 1 - x : x - cell, 0.0, 1.0);
   }
-  static std::int64_t ticks(double length) {
+  static std::int64_t ticks(double length_cells) {
     // A beam along an axis never reaches the other one's border: infinite, or 0/0 on it.
-    const double scaled = length * kTicksPerCell;
+    const double scaled = length_cells * kTicksPerCell;
     return static_cast<std::int64_t>(scaled < kTicksMax ? scaled : kTicksMax);
   }
   static float cells(std::int64_t ticks) { return static_cast<float>(ticks) * static_cast<float>(1.0 / kTicksPerCell); }

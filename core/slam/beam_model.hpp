@@ -56,7 +56,7 @@ class BeamModel {
       if (cell.is_free()) {
         continue;
       }
-      const float behind = depth + stops_per_m(cell) * walk.length() * resolution_m_;
+      const float behind = depth + stops_per_m(cell) * walk.length_cells() * resolution_m_;
       if (walk.exit() > near_cells) {
         const float middle_cells = 0.5F * (walk.enter() + walk.exit());
         const float sigmas = (measured_cells - middle_cells) * sigmas_per_cell_;
@@ -73,7 +73,7 @@ class BeamModel {
     float depth = 0.0F;
     do {
       const Cell& cell = map.at(walk.column(), walk.row());
-      depth += cell.is_free() ? 0.0F : stops_per_m(cell) * walk.length() * resolution_m_;
+      depth += cell.is_free() ? 0.0F : stops_per_m(cell) * walk.length_cells() * resolution_m_;
     } while (depth < kOpaque && walk.next());
     return lifted(decay(depth));
   }
@@ -84,7 +84,7 @@ class BeamModel {
     Cell* cell = nullptr;
     do {
       cell = &map.at(walk.column(), walk.row());
-      cell->distance_m += walk.length() * resolution_m_;
+      cell->distance_m += walk.length_cells() * resolution_m_;
     } while (walk.next());
     cell->hits += stopped ? 1.0F : 0.0F;
   }
