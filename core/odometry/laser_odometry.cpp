@@ -1,6 +1,6 @@
 #include "core/odometry/laser_odometry.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +15,7 @@ constexpr double kMatch_sd_rad = 0.003;
 LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const MatcherParams& matcher, const ScanParams& scan)
     : params_(params),
       matcher_(matcher),
-      reference_(matcher.reference, matcher.points_max * params.key_scans),
+      reference_(params.local_map, matcher.points_max * params.key_scans),
       keys_(static_cast<std::size_t>(params.key_scans), KeyScan{ScanFrame(scan), {}}),
       placed_(static_cast<std::size_t>(params.key_scans)) {
   ODOLESS_CHECK(parameters_in_range(params));
@@ -34,14 +34,19 @@ OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadl
   const KeyScan& key = keys_[static_cast<std::size_t>(newest_key_)];
   const Pose2 key_T_odom = key.odom_T_scan.inverse();
   const Pose2 prediction = key_T_odom * predict(period_s);
-  const double sd_m = params_.acceleration_sd_mps2 * period_s * period_s;
-  const double sd_rad = params_.angular_acceleration_sd_radps2 * period_s * period_s;
+  const double sd_m = params_.expectation_widening * params_.acceleration_sd_mps2 * period_s * period_s;
+  const double sd_rad = params_.expectation_widening * params_.angular_acceleration_sd_radps2 * period_s * period_s;
   const Result<MatchResult> match = matcher_.match(reference_, scan, {prediction, sd_m, sd_rad}, deadline, rng);
   Pose2 key_T_scan = prediction;
   if (match.ok()) {
     step.match = match.value();
     step.matched = true;
-    key_T_scan = fuse(prediction, step.match, period_s);
+    Eigen::Matrix3d key_covariance;
+    key_T_scan = fuse(prediction, step.match, period_s, key_covariance);
+    const double yaw_rad = (key_T_odom * odom_T_scan_).yaw_rad;  // from the key's axes to the previous scan's
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+    turn.topLeftCorner<2, 2>() << std::cos(yaw_rad), std::sin(yaw_rad), -std::sin(yaw_rad), std::cos(yaw_rad);
+    step.covariance = turn * key_covariance * turn.transpose();
   }
   step.odom_T_scan = key.odom_T_scan * key_T_scan;
   step.previous_T_current = odom_T_scan_.inverse() * step.odom_T_scan;
@@ -62,20 +67,24 @@ Pose2 LaserOdometry::predict(double period_s) const {
   return odom_T_scan_ * Pose2{speed_x_mps_ * period_s, speed_y_mps_ * period_s, speed_yaw_radps_ * period_s};
 }
 
-Pose2 LaserOdometry::fuse(const Pose2& prediction, const MatchResult& match, double period_s) const {
+Pose2 LaserOdometry::fuse(const Pose2& prediction, const MatchResult& match, double period_s,
+                          Eigen::Matrix3d& covariance) const {
   const double sd_m = params_.acceleration_sd_mps2 * period_s * period_s;
   const double sd_rad = params_.angular_acceleration_sd_radps2 * period_s * period_s;
-  if (sd_m <= 0.0 || sd_rad <= 0.0) {
-    return match.reference_T_scan;
-  }
   Eigen::Matrix3d match_covariance = match.covariance;
   match_covariance.diagonal() +=
       Eigen::Vector3d(kMatch_sd_m * kMatch_sd_m, kMatch_sd_m * kMatch_sd_m, kMatch_sd_rad * kMatch_sd_rad);
+  if (sd_m <= 0.0 || sd_rad <= 0.0) {
+    covariance = match_covariance;
+    return match.reference_T_scan;
+  }
   const Eigen::Matrix3d prior = Eigen::Vector3d(sd_m * sd_m, sd_m * sd_m, sd_rad * sd_rad).asDiagonal();
   const Eigen::Vector3d difference(match.reference_T_scan.x_m - prediction.x_m,
                                    match.reference_T_scan.y_m - prediction.y_m,
                                    wrap_angle(match.reference_T_scan.yaw_rad - prediction.yaw_rad));
-  const Eigen::Vector3d gain = prior * (prior + match_covariance).llt().solve(difference);
+  const Eigen::Matrix3d inverse_sum = (prior + match_covariance).inverse();
+  const Eigen::Vector3d gain = prior * (inverse_sum * difference);
+  covariance = prior - prior * inverse_sum * prior;
   return {prediction.x_m + gain.x(), prediction.y_m + gain.y(), wrap_angle(prediction.yaw_rad + gain.z())};
 }
 

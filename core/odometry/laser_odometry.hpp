@@ -13,16 +13,28 @@
 
 namespace odoless {
 
+/// The local map's reference: its points are dense, so that smaller cells serve it better than a single scan; and the
+/// free space of scans from many places contradicts them where they err.
+[[nodiscard]] inline ReferenceParams local_map_params() {
+  ReferenceParams params;
+  params.ndt.cell_size_m = 0.5;
+  params.free_penalty = 0.0;
+  return params;
+}
+
 struct LaserOdometryParams {
+  ReferenceParams local_map = local_map_params();
   int key_scans = 40;
   double key_distance_m = 0.3;
   double key_rotation_rad = 0.35;
   double acceleration_sd_mps2 = 1.5;
   double angular_acceleration_sd_radps2 = 8.0;
   double period_min_s = 0.02;
+  double expectation_widening = 3.0;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
+    visit.group("local_map", self.local_map, "What the key scans are made into.");
     visit.value("key_scans", self.key_scans, Range{1, 200}, "Key scans that make the local map.");
     visit.value("key_distance_m", self.key_distance_m, Range{0.0, 10.0},
                 "Travel after which a scan becomes a key scan.");
@@ -33,6 +45,8 @@ struct LaserOdometryParams {
         "Deviation of the acceleration that is expected of the robot; it holds the estimate where the scene does not.");
     visit.value("angular_acceleration_sd_radps2", self.angular_acceleration_sd_radps2, Range{0.0, 10000.0},
                 "The same of its rotation.");
+    visit.value("expectation_widening", self.expectation_widening, Range{0.0, 100.0},
+                "The search expects the motion within so many of these deviations.");
     visit.value("period_min_s", self.period_min_s, Range{0.001, 10.0},
                 "Stamps nearer than this are taken to be this far apart.");
   }
@@ -44,6 +58,8 @@ struct OdometryStep {
   std::int64_t to_stamp_ns = 0;
   Pose2 previous_T_current{};
   Pose2 odom_T_scan{};
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Zero();  ///< of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes
   MatchResult match;
   bool matched = false;  ///< false for the first scan, and where nothing could be matched: then the prediction stands
 };
@@ -64,7 +80,8 @@ class LaserOdometry {
     Pose2 odom_T_scan;
   };
   [[nodiscard]] Pose2 predict(double period_s) const;
-  [[nodiscard]] Pose2 fuse(const Pose2& prediction, const MatchResult& match, double period_s) const;
+  [[nodiscard]] Pose2 fuse(const Pose2& prediction, const MatchResult& match, double period_s,
+                           Eigen::Matrix3d& covariance) const;
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
 
   LaserOdometryParams params_;

@@ -9,6 +9,7 @@
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
 #include "tools/command/info.hpp"
+#include "tools/command/replay.hpp"
 #include "tools/command/sim.hpp"
 
 namespace odoless {
@@ -21,9 +22,12 @@ constexpr int kInputOutput = 74;
 
 /// Every sub-command, in the order of --help. A new one: its own tools/command/NAME.hpp and .cpp, and a line here.
 void add_commands(CLI::App& app) {
+  add_replay(app);
+  add_match(app);
   add_info(app);
   add_eval(app);
   add_sim(app);
+  add_config(app);
 }
 
 int fail(int exit_code, const char* what, const char* reason) {
