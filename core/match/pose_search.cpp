@@ -22,8 +22,8 @@ double MotionPrior::penalty(const SearchPoint& pose) const {
   }
   const double x = (pose[0] - reference_T_scan.x_m) / sd_m;
   const double y = (pose[1] - reference_T_scan.y_m) / sd_m;
-  const double yaw = wrap_angle(pose[2] - reference_T_scan.yaw_rad) / sd_rad;
-  const double squares = x * x + y * y + yaw * yaw;
+  const double relative_yaw = wrap_angle(pose[2] - reference_T_scan.yaw_rad) / sd_rad;
+  const double squares = x * x + y * y + relative_yaw * relative_yaw;
   return squares > 1.0 ? weight * std::log(squares) : 0.0;
 }
 
