@@ -10,6 +10,7 @@
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
 #include "tools/command/info.hpp"
+#include "tools/command/replay.hpp"
 #include "tools/command/sim.hpp"
 
 namespace odoless {
@@ -23,9 +24,12 @@ constexpr int kConfiguration = 78;
 
 /// Every sub-command, in the order of --help. A new one: its own tools/command/NAME.hpp and .cpp, and a line here.
 void add_commands(CLI::App& app) {
+  add_replay(app);
+  add_match(app);
   add_info(app);
   add_eval(app);
   add_sim(app);
+  add_config(app);
 }
 
 int fail(int exit_code, const char* what, const char* reason) {
