@@ -143,7 +143,9 @@ CLI::App* add_log_job(CLI::App& app, const char* name, const char* what, LogJob&
   command->add_option("LOG", job.log, "Recorded log (see `odoless info`); .gz and .xz are read too")->required();
   command->add_option("--out", job.out, "Folder for the results")->required();
   command->add_option("--config", job.config, "TOML file that overrides defaults (see `odoless config defaults`)");
-  command->add_option("--every", job.options.every, "Use every N-th scan")->check(CLI::Range(1, 1000000))->capture_default_str();
+  command->add_option("--every", job.options.every, "Use every N-th scan")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   command->add_option("--seed", job.options.seed, "Seed of the random generator")->capture_default_str();
   command->add_option("--period-ms", job.period_ms, "Time between scans of a log without stamps")
       ->check(CLI::Range(0.001, 1e6))
