@@ -21,9 +21,9 @@ namespace odoless {
 /// Real time: no allocation, bounded by the length.
 class GridWalk {
  public:
-  /// @param start      Where the beam begins; beyond +-10^9 it is moved there, far outside of any grid.
-  /// @param direction  Unit vector.
-  /// @param length_cells >= 0; more than 10^6 cells are cut to that.
+  /// @param start         Where the beam begins; beyond +-10^9 it is moved there, far outside of any grid.
+  /// @param direction     Unit vector.
+  /// @param length_cells  >= 0; more than 10^6 cells are cut to that.
   GridWalk(const Point2& start, const Point2& direction, double length_cells)
       : GridWalk(start, direction, {1.0 / std::abs(direction.x_m), 1.0 / std::abs(direction.y_m)}, length_cells) {}
 
