@@ -140,10 +140,10 @@ toml::table parse(std::string_view text, std::string_view source) {
 }  // namespace
 
 std::string read_config(const std::filesystem::path& path) {
-  constexpr std::streamsize kLargest_bytes = 1 << 20;
+  constexpr std::streamsize kSizeMaxBytes = 1 << 20;
   std::ifstream file(path, std::ios::binary);
-  std::string text(kLargest_bytes, '\0');
-  if (!file.read(text.data(), kLargest_bytes) && !file.eof()) {
+  std::string text(kSizeMaxBytes, '\0');
+  if (!file.read(text.data(), kSizeMaxBytes) && !file.eof()) {
     throw ConfigError({fmt::format("{}: cannot be read: {}", path.string(), std::generic_category().message(errno))});
   }
   if (!file.eof()) {

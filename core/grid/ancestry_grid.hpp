@@ -95,7 +95,7 @@ class AncestryGrid {
   static constexpr std::uint64_t kNoTile = UINT64_MAX;  ///< GridCell::tile of no cell
 
   struct alignas(64) Tile {
-    std::array<Cell, kTileSide_cells * kTileSide_cells> cells;
+    std::array<Cell, std::size_t{kTileSide_cells} * kTileSide_cells> cells;
   };
 
   /// Nodes own versions through a number that two nodes can swap, so that a merge moves the shorter list.

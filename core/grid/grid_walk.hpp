@@ -17,22 +17,22 @@ namespace odoless {
 ///
 /// Units:     cells; cell (c, r) covers [c, c+1) x [r, r+1).
 /// Promises:  lengths are >= 0 and sum up to the beam's; neighbours differ by one in one coordinate; at most
-///            2 * length + 3 cells.
+///            2 * length_cells + 3 cells.
 /// Real time: no allocation, bounded by the length.
 class GridWalk {
  public:
   /// @param start      Where the beam begins; beyond +-10^9 it is moved there, far outside of any grid.
   /// @param direction  Unit vector.
-  /// @param length     >= 0; more than 10^6 cells are cut to that.
-  GridWalk(const Point2& start, const Point2& direction, double length)
-      : GridWalk(start, direction, {1.0 / std::abs(direction.x_m), 1.0 / std::abs(direction.y_m)}, length) {}
+  /// @param length_cells >= 0; more than 10^6 cells are cut to that.
+  GridWalk(const Point2& start, const Point2& direction, double length_cells)
+      : GridWalk(start, direction, {1.0 / std::abs(direction.x_m), 1.0 / std::abs(direction.y_m)}, length_cells) {}
 
   [[nodiscard]] const GridCell& cell() const { return cell_; }
   /// Way from the start to where the beam enters and leaves the present cell.
   [[nodiscard]] float enter() const { return cells(enter_); }
   [[nodiscard]] float exit() const { return cells(exit_); }
   /// Length of the path in the present cell.
-  [[nodiscard]] float length() const { return cells(exit_ - enter_); }
+  [[nodiscard]] float length_cells() const { return cells(exit_ - enter_); }
   /// The same in parts of a cell, each end rounded, so that the lengths of a walk sum up to its own.
   [[nodiscard]] std::uint32_t length_parts() const { return parts(exit_) - parts(enter_); }
 
@@ -55,11 +55,11 @@ class GridWalk {
   static constexpr double kTicksPerCell = 0x1p32;
   static constexpr std::int64_t kTicksPerPart = (std::int64_t{1} << kTicksBits) / Cell::kParts;
   static constexpr double kTicksMax = 0x1p61;  // two of them can be added
-  static constexpr double kLengthMax = 1e6;
+  static constexpr double kLengthMaxCells = 1e6;
   static constexpr double kStartMax = 1e9;
 
   /// `cells_per_border`: way along the beam from one border to the next, in x and in y.
-  GridWalk(const Point2& start, const Point2& direction, const Point2& cells_per_border, double length)
+  GridWalk(const Point2& start, const Point2& direction, const Point2& cells_per_border, double length_cells)
       : cell_(cell_of(start.x_m), cell_of(start.y_m)),
         step_x_(GridCell::step(direction.x_m < 0.0 ? -1 : 1, 0)),
         step_y_(GridCell::step(0, direction.y_m < 0.0 ? -1 : 1)),
@@ -67,7 +67,7 @@ class GridWalk {
         delta_y_(ticks(cells_per_border.y_m)),
         next_x_(ticks(to_border(start.x_m, direction.x_m) * cells_per_border.x_m)),
         next_y_(ticks(to_border(start.y_m, direction.y_m) * cells_per_border.y_m)),
-        end_(ticks(std::min(length, kLengthMax))),
+        end_(ticks(std::min(length_cells, kLengthMaxCells))),
         exit_(std::min({next_x_, next_y_, end_})) {}
 
   static int cell_of(double x) { return static_cast<int>(std::floor(std::clamp(x, -kStartMax, kStartMax))); }
@@ -76,9 +76,9 @@ class GridWalk {
     const double behind = x - std::floor(x);
     return direction < 0.0 ? behind : 1.0 - behind;
   }
-  static std::int64_t ticks(double length) {
+  static std::int64_t ticks(double length_cells) {
     // A beam along an axis never reaches the other one's border: infinite, or 0/0 on it.
-    const double scaled = length * kTicksPerCell;
+    const double scaled = length_cells * kTicksPerCell;
     return static_cast<std::int64_t>(scaled < kTicksMax ? scaled : kTicksMax);
   }
   static std::uint32_t parts(std::int64_t ticks) {

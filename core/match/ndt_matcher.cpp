@@ -35,6 +35,10 @@ MatcherParams seed_matcher_params() {
   return params;
 }
 
+Expectation expect_rest(const MatcherParams& params, double period_s) {
+  return {Pose2{}, params.speed_sd_mps * std::max(0.0, period_s), params.turn_rate_sd_radps * std::max(0.0, period_s)};
+}
+
 NdtMatcher::NdtMatcher(const MatcherParams& params)
     : params_(params),
       scan_{PointSet(params.points_max), {}},

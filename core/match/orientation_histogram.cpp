@@ -89,8 +89,8 @@ double AngleProposal::offset_rad(double fraction) const {
   const auto above = std::upper_bound(begin + 1, begin + steps_, target);
   const auto bin = static_cast<double>(above - begin - 1);
   const double low = *(above - 1);
-  const double width = *above - low;
-  return first_rad_ + (bin - 0.5 + std::clamp((target - low) / width, 0.0, 1.0)) * step_rad_;
+  const double rise = *above - low;
+  return first_rad_ + (bin - 0.5 + std::clamp((target - low) / rise, 0.0, 1.0)) * step_rad_;
 }
 
 }  // namespace odoless

@@ -22,9 +22,9 @@ double MotionPrior::penalty(const SearchPoint& pose) const {
   }
   const double x = (pose[0] - reference_T_scan.x_m) / sd_m;
   const double y = (pose[1] - reference_T_scan.y_m) / sd_m;
-  const double yaw = wrap_angle(pose[2] - reference_T_scan.yaw_rad) / sd_rad;
-  const double squares = x * x + y * y + yaw * yaw;
-  return weight * squares / (1.0 + squares);
+  const double relative_yaw = wrap_angle(pose[2] - reference_T_scan.yaw_rad) / sd_rad;
+  const double squares = x * x + y * y + relative_yaw * relative_yaw;
+  return squares > 1.0 ? weight * std::log(squares) : 0.0;
 }
 
 // Mean score per point of a pose in the reference's axes, so that translation and rotation are independent.
@@ -117,6 +117,11 @@ SearchOutcome PoseSearch::run(const SearchGround& ground, const SearchedScan& sc
   }
   outcome.best =
       nelder_mead({evolution_.best().point, evolution_.best().score}, kSimplexSize, params_.simplex_steps, fine);
+  const SearchPoint centre = to_search_point(ground.prior.reference_T_scan);
+  const ScoredPoint near = nelder_mead({centre, fine(centre)}, kSimplexSize, params_.simplex_steps, fine);
+  if (near.score > outcome.best.score) {
+    outcome.best = near;
+  }
   outcome.second = second_peak(fine, outcome.best);
   if (outcome.second && outcome.second->score > outcome.best.score) {
     std::swap(*outcome.second, outcome.best);

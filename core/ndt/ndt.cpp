@@ -8,13 +8,13 @@ namespace odoless {
 NdtInformation mended_information(const NdtCell& cell, double sigma_min_m, double sigma_ratio_min) {
   const double mid = 0.5 * (cell.cov_xx_m2 + cell.cov_yy_m2);
   const double half_difference = 0.5 * (cell.cov_xx_m2 - cell.cov_yy_m2);
-  const double radius = std::hypot(half_difference, cell.cov_xy_m2);
+  const double radius_m2 = std::hypot(half_difference, cell.cov_xy_m2);
   const double floor_m2 = sigma_min_m * sigma_min_m;
-  const double large_m2 = std::max(mid + radius, floor_m2);
-  const double small_m2 = std::max({mid - radius, floor_m2, sigma_ratio_min * sigma_ratio_min * large_m2});
+  const double large_m2 = std::max(mid + radius_m2, floor_m2);
+  const double small_m2 = std::max({mid - radius_m2, floor_m2, sigma_ratio_min * sigma_ratio_min * large_m2});
   // Unit vector (u, v) of the larger axis by the double angle.
-  const double c2 = radius > 0.0 ? half_difference / radius : 1.0;
-  const double s2 = radius > 0.0 ? cell.cov_xy_m2 / radius : 0.0;
+  const double c2 = radius_m2 > 0.0 ? half_difference / radius_m2 : 1.0;
+  const double s2 = radius_m2 > 0.0 ? cell.cov_xy_m2 / radius_m2 : 0.0;
   const double uu = 0.5 * (1.0 + c2);
   const double vv = 0.5 * (1.0 - c2);
   const double uv = 0.5 * s2;
@@ -26,7 +26,8 @@ NdtInformation mended_information(const NdtCell& cell, double sigma_min_m, doubl
 Ndt::Ndt(const NdtParams& params, int points_max) : params_(params), inverse_cell_size_(1.0 / params.cell_size_m) {
   ODOLESS_CHECK(parameters_in_range(params) && points_max > 0);
   side_cells_ = static_cast<int>(std::ceil(2.0 * params.extent_m * inverse_cell_size_)) + 2;
-  const auto slots = static_cast<std::size_t>(kGrids * side_cells_ * side_cells_);
+  const auto slots =
+      std::size_t{kGrids} * static_cast<std::size_t>(side_cells_) * static_cast<std::size_t>(side_cells_);
   const std::size_t most_touched = std::min(slots, static_cast<std::size_t>(kGrids * points_max));
   slot_sum_.assign(slots, kNone);
   slot_cell_.assign(slots, kNone);

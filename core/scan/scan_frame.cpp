@@ -30,8 +30,8 @@ void ScanFrame::set_geometry(const RawScan& raw) {
     directions_valid_ = 0;
   }
   for (; directions_valid_ < size_; ++directions_valid_) {
-    const double angle = angle_rad(directions_valid_);
-    directions_[static_cast<std::size_t>(directions_valid_)] = {std::cos(angle), std::sin(angle)};
+    const double beam_rad = angle_rad(directions_valid_);
+    directions_[static_cast<std::size_t>(directions_valid_)] = {std::cos(beam_rad), std::sin(beam_rad)};
   }
 }
 

@@ -58,7 +58,7 @@ class BeamModel {
         continue;
       }
       const float before = depth;
-      depth += stops_per_cell(cell) * walk.length();
+      depth += stops_per_cell(cell) * walk.length_cells();
       if (walk.exit() > near_cells) {
         reach = near ? reach : decay(before);
         near = true;
@@ -78,7 +78,7 @@ class BeamModel {
     float depth = 0.0F;
     do {
       const Cell& cell = map.at(walk.cell());
-      depth += cell.is_free() ? 0.0F : stops_per_cell(cell) * walk.length();
+      depth += cell.is_free() ? 0.0F : stops_per_cell(cell) * walk.length_cells();
     } while (depth < kOpaque && walk.next());
     return lifted(decay(depth));
   }

@@ -5,14 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/pose2.hpp"
+#include "core/geometry/stamped_pose.hpp"
 
 namespace odoless {
-
-struct StampedPose {
-  std::int64_t stamp_ns = 0;
-  Pose2 map_T_scan;
-};
 
 /// The whole path of every particle, in a fixed pool: records point to the one before, so that particles share what
 /// they have in common, and a record goes when no path leads over it.

@@ -45,7 +45,7 @@ TEST(ScanLog, ReadsFlaserAndSkipsEveryOtherMessage) {
   const ScanLog log = read(
       "# comment\nPARAM a b 0 nohost 0\nODOM 1 2 3 0 0 0 1 h 1\n\nSYNC x\n"
       "FLASER 3 1.5 81.91 inf 1 2 3 4 5 6 10.25 host 0.1\nNEFF 4\n"
-      "FLASER 3 0 nan 2 1 2 3 4 5 6 10.5 host 0.1\r\n");
+      "\t FLASER\t3  0 nan 2 1 2 3 4 5 6 10.5 host 0.1 \r\n");
   EXPECT_EQ(log.format, "CARMEN FLASER");
   EXPECT_TRUE(log.has_stamps);
   ASSERT_EQ(log.scans.size(), 2U);

@@ -76,8 +76,8 @@ TEST(RayCaster, LetsNoRaySlipThroughTheCornersOfARoom) {
     for (const Segment& side : world.segments) {
       const double x = side.a.x_m - origin.x_m;
       const double y = side.a.y_m - origin.y_m;
-      const double length = std::hypot(x, y);
-      ASSERT_NEAR(cast_ray_m(world, origin, {x / length, y / length}), length, 1e-6);
+      const double length_m = std::hypot(x, y);
+      ASSERT_NEAR(cast_ray_m(world, origin, {x / length_m, y / length_m}), length_m, 1e-6);
     }
   }
 }

@@ -16,7 +16,7 @@ namespace odoless {
 namespace {
 
 /// Some 2 GB of text.
-constexpr double kRangesMax = 3e8;
+constexpr double kRangeCountMax = 3e8;
 
 struct SimOptions {
   std::string world;
@@ -32,12 +32,12 @@ std::string truth_file(const SimOptions& options) {
 }
 
 void check_size(const World& world, const SimulatedLrfParams& lrf) {
-  const double ranges = Path(world.waypoints).duration_s() * lrf.rate_hz * lrf.beams;
-  if (ranges > kRangesMax) {
+  const double range_count = Path(world.waypoints).duration_s() * lrf.rate_hz * lrf.beams;
+  if (range_count > kRangeCountMax) {
     throw UsageError(
         fmt::format("the log would hold {:.1e} ranges; at most {:.0e} are written: take a lower --rate-hz, "
                     "fewer --beams or a shorter path",
-                    ranges, kRangesMax));
+                    range_count, kRangeCountMax));
   }
 }
 

@@ -11,8 +11,9 @@ StampLookup::StampLookup(std::span<const ReferencePose> poses) : sorted_(poses.b
 }
 
 std::optional<Pose2> StampLookup::nearest(double stamp_s, double tolerance_s) const {
-  const auto later = std::lower_bound(sorted_.begin(), sorted_.end(), stamp_s,
-                                      [](const ReferencePose& pose, double stamp) { return pose.stamp_s < stamp; });
+  const auto later =
+      std::lower_bound(sorted_.begin(), sorted_.end(), stamp_s,
+                       [](const ReferencePose& pose, double sought_s) { return pose.stamp_s < sought_s; });
   const ReferencePose* best = later == sorted_.end() ? nullptr : &*later;
   if (later != sorted_.begin() && (best == nullptr || stamp_s - std::prev(later)->stamp_s < best->stamp_s - stamp_s)) {
     best = &*std::prev(later);

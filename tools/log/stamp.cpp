@@ -93,8 +93,8 @@ bool stamps_are_usable(std::span<const std::int64_t> stamps_ns) {
   if (stamps_ns.empty()) {
     return false;
   }
-  const bool all_equal =
-      std::all_of(stamps_ns.begin(), stamps_ns.end(), [&](std::int64_t stamp) { return stamp == stamps_ns.front(); });
+  const bool all_equal = std::all_of(stamps_ns.begin(), stamps_ns.end(),
+                                     [&](std::int64_t stamp_ns) { return stamp_ns == stamps_ns.front(); });
   return !all_equal || (stamps_ns.size() == 1 && stamps_ns.front() != 0);
 }
 

@@ -24,7 +24,7 @@ std::string format_stamp_s(std::int64_t stamp_ns) {
 std::string format_trajectory(std::span<const StampedPose> poses) {
   std::string text;
   for (const StampedPose& stamped : poses) {
-    const Pose2& pose = stamped.pose;
+    const Pose2& pose = stamped.map_T_scan;
     fmt::format_to(std::back_inserter(text), "{} {:.6f} {:.6f} 0 0 0 {:.9f} {:.9f}\n", format_stamp_s(stamped.stamp_ns),
                    pose.x_m, pose.y_m, std::sin(pose.yaw_rad / 2.0), std::cos(pose.yaw_rad / 2.0));
   }

@@ -5,14 +5,9 @@
 #include <span>
 #include <string>
 
-#include "core/geometry/pose2.hpp"
+#include "core/geometry/stamped_pose.hpp"
 
 namespace odoless {
-
-struct StampedPose {
-  std::int64_t stamp_ns = 0;
-  Pose2 pose;  ///< of the laser in the map frame
-};
 
 /// TUM trajectory: one line `stamp tx ty tz qx qy qz qw` per pose; seconds, rounded to microseconds, and metres with 6
 /// decimals, the unit quaternion of the yaw with 9. The same poses give the same bytes everywhere.

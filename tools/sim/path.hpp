@@ -26,10 +26,10 @@ class Path {
  private:
   /// Motion with constant speed and turn rate.
   struct Piece {
-    double start_s;
+    double start_s = 0.0;
     Pose2 world_T_start;
-    double speed_mps;
-    double turn_rate_radps;
+    double speed_mps = 0.0;
+    double turn_rate_radps = 0.0;
   };
 
   void append(double speed_mps, double turn_rate_radps, double lasts_s);

@@ -15,9 +15,9 @@ struct Visit {
   float enter, exit;
 };
 
-std::vector<Visit> visits(const Point2& start, const Point2& direction, double length) {
+std::vector<Visit> visits(const Point2& start, const Point2& direction, double length_cells) {
   std::vector<Visit> all;
-  GridWalk walk(start, direction, length);
+  GridWalk walk(start, direction, length_cells);
   do {
     all.push_back({walk.cell().column(), walk.cell().row(), walk.enter(), walk.exit()});
   } while (walk.next() && all.size() < 100'000);
@@ -25,9 +25,9 @@ std::vector<Visit> visits(const Point2& start, const Point2& direction, double l
 }
 
 /// Way of the beam within one cell, by clipping the beam to the square.
-double clipped_length(const Point2& start, const Point2& direction, double length, int column, int row) {
+double clipped_cells(const Point2& start, const Point2& direction, double length_cells, int column, int row) {
   double from = 0.0;
-  double to = length;
+  double to = length_cells;
   const auto clip = [&from, &to](double origin, double slope, double low) {
     if (slope == 0.0) {
       to = origin >= low && origin < low + 1.0 ? to : -1.0;
@@ -49,16 +49,17 @@ TEST(GridWalk, GivesEachCellTheLengthThatClippingGives) {
     const double angle_rad = i % 10 == 0 ? (i / 10 % 8) * std::numbers::pi / 4.0 : rng.uniform(-3.2, 3.2);
     const Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
     const Point2 start{rng.uniform(-50.0, 50.0), rng.uniform(-50.0, 50.0)};
-    const double length = rng.uniform(0.0, 60.0);
+    const double length_cells = rng.uniform(0.0, 60.0);
     double sum = 0.0;
     float last_exit = 0.0F;
-    for (const Visit& visit : visits(start, direction, length)) {
-      EXPECT_NEAR(visit.exit - visit.enter, clipped_length(start, direction, length, visit.column, visit.row), 2e-5);
+    for (const Visit& visit : visits(start, direction, length_cells)) {
+      EXPECT_NEAR(visit.exit - visit.enter, clipped_cells(start, direction, length_cells, visit.column, visit.row),
+                  2e-5);
       EXPECT_EQ(visit.enter, last_exit);
       last_exit = visit.exit;
       sum += static_cast<double>(visit.exit) - static_cast<double>(visit.enter);
     }
-    EXPECT_NEAR(sum, length, 1e-5);
+    EXPECT_NEAR(sum, length_cells, 1e-5);
   }
 }
 
@@ -68,14 +69,14 @@ TEST(GridWalk, StepsToNeighboursAndEndsInTheCellOfTheEnd) {
     const double angle_rad = rng.uniform(-3.2, 3.2);
     const Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
     const Point2 start{rng.uniform(-50.0, 50.0), rng.uniform(-50.0, 50.0)};
-    const double length = rng.uniform(0.0, 60.0);
-    const std::vector<Visit> all = visits(start, direction, length);
-    EXPECT_LE(static_cast<double>(all.size()), 2.0 * length + 3.0);
+    const double length_cells = rng.uniform(0.0, 60.0);
+    const std::vector<Visit> all = visits(start, direction, length_cells);
+    EXPECT_LE(static_cast<double>(all.size()), 2.0 * length_cells + 3.0);
     for (std::size_t k = 1; k < all.size(); ++k) {
       EXPECT_EQ(std::abs(all[k].column - all[k - 1].column) + std::abs(all[k].row - all[k - 1].row), 1);
     }
-    EXPECT_NEAR(all.back().column + 0.5, start.x_m + length * direction.x_m, 0.5 + 1e-6);
-    EXPECT_NEAR(all.back().row + 0.5, start.y_m + length * direction.y_m, 0.5 + 1e-6);
+    EXPECT_NEAR(all.back().column + 0.5, start.x_m + length_cells * direction.x_m, 0.5 + 1e-6);
+    EXPECT_NEAR(all.back().row + 0.5, start.y_m + length_cells * direction.y_m, 0.5 + 1e-6);
   }
 }
 

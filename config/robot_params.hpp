@@ -1,0 +1,42 @@
+#pragma once
+
+#include "core/match/matcher_params.hpp"
+#include "core/odometry/laser_odometry.hpp"
+#include "core/scan/scan_frame.hpp"
+#include "core/slam/lslam_params.hpp"
+
+namespace odoless {
+
+/// When the filter takes a scan: the robot has moved, by what the matcher says.
+struct GateParams {
+  double distance_m = 0.2;
+  double rotation_rad = 0.17453292519943295;
+  bool widen_by_match = true;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.value("distance_m", self.distance_m, Range{0.0, 10.0}, "Travel after which the filter takes a scan.");
+    visit.value("rotation_rad", self.rotation_rad, Range{0.0, 3.1416}, "Rotation after which the filter takes a scan.");
+    visit.flag("widen_by_match", self.widen_by_match, "Whether a match's own deviation widens the motion model.");
+  }
+};
+
+/// All that a configuration file can say.
+struct RobotParams {
+  ScanParams scan;
+  MatcherParams matcher;
+  LaserOdometryParams odometry;
+  GateParams gate;
+  LslamParams slam;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.group("scan", self.scan, "What of a scan is used.");
+    visit.group("matcher", self.matcher, "Scan matching: NDT and Differential Evolution.");
+    visit.group("odometry", self.odometry, "Tracking from scan to scan against a local map.");
+    visit.group("gate", self.gate, "When the filter is updated.");
+    visit.group("slam", self.slam, "DP-SLAM.");
+  }
+};
+
+}  // namespace odoless

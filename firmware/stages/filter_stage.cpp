@@ -1,0 +1,51 @@
+#include "firmware/stages/filter_stage.hpp"
+
+#include <cmath>
+
+namespace odoless {
+
+FilterStage::FilterStage(const RobotParams& params, std::uint64_t seed)
+    : gate_(params.gate), filter_(params.slam, seed) {}
+
+bool FilterStage::gate_is_open() const {
+  return !started_ || std::hypot(update_T_scan_.x_m, update_T_scan_.y_m) >= gate_.distance_m ||
+         std::abs(update_T_scan_.yaw_rad) >= gate_.rotation_rad;
+}
+
+void FilterStage::compose(const OdometryStep& step) {
+  const double c = std::cos(update_T_scan_.yaw_rad);
+  const double s = std::sin(update_T_scan_.yaw_rad);
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() << c, -s, s, c;
+  covariance_ += turn * step.covariance * turn.transpose();
+  update_T_scan_ = update_T_scan_ * step.previous_T_current;
+}
+
+MotionIncrement FilterStage::increment(std::int64_t stamp_ns) const {
+  MotionIncrement out{update_stamp_ns_, stamp_ns, update_T_scan_};
+  if (gate_.widen_by_match) {
+    out.sd_x_m = std::sqrt(covariance_(0, 0));
+    out.sd_y_m = std::sqrt(covariance_(1, 1));
+    out.sd_yaw_rad = std::sqrt(covariance_(2, 2));
+  }
+  return out;
+}
+
+FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step) {
+  compose(step);
+  FilterStep out;
+  if (gate_is_open()) {
+    out.report = filter_.update(increment(scan.stamp_ns()), scan);
+    out.updated = true;
+    started_ = true;
+    update_stamp_ns_ = scan.stamp_ns();
+    update_T_scan_ = Pose2{};
+    covariance_.setZero();
+  }
+  out.update_stamp_ns = update_stamp_ns_;
+  out.update_T_scan = update_T_scan_;
+  out.map_T_scan = filter_.pose(filter_.best()) * update_T_scan_;
+  return out;
+}
+
+}  // namespace odoless

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "config/robot_params.hpp"
+#include "core/odometry/laser_odometry.hpp"
+#include "core/slam/lslam.hpp"
+
+namespace odoless {
+
+/// What the filter makes of one scan. A scan between two updates hangs on the last one.
+struct FilterStep {
+  Pose2 map_T_scan{};                ///< as known now
+  std::int64_t update_stamp_ns = 0;  ///< of the last update
+  Pose2 update_T_scan{};             ///< motion since then
+  bool updated = false;
+  UpdateReport report{};
+};
+
+/// Motion in, poses and a map out: the filter thread's work. Composes increments and updates the filter when the robot
+/// has moved far enough.
+///
+/// Thread: filter thread, or the one thread of a replay. Real time: no allocation after construction.
+class FilterStage {
+ public:
+  FilterStage(const RobotParams& params, std::uint64_t seed);
+
+  [[nodiscard]] FilterStep process(const ScanFrame& scan, const OdometryStep& step);
+
+  [[nodiscard]] Lslam& filter() { return filter_; }
+
+ private:
+  [[nodiscard]] bool gate_is_open() const;
+  void compose(const OdometryStep& step);
+  [[nodiscard]] MotionIncrement increment(std::int64_t stamp_ns) const;
+
+  GateParams gate_;
+  Lslam filter_;
+  Pose2 update_T_scan_{};
+  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  ///< of update_T_scan_, axes of the update's scan
+  std::int64_t update_stamp_ns_ = 0;
+  bool started_ = false;
+};
+
+}  // namespace odoless

@@ -1,0 +1,12 @@
+#include "firmware/stages/matcher_stage.hpp"
+
+namespace odoless {
+
+MatcherStage::MatcherStage(const RobotParams& params, std::uint64_t seed)
+    : odometry_(params.odometry, params.matcher, params.scan), rng_(seed, 1) {}
+
+OdometryStep MatcherStage::process(const ScanFrame& scan, const Deadline& deadline) {
+  return odometry_.process(scan, deadline, rng_);
+}
+
+}  // namespace odoless

@@ -1,0 +1,179 @@
+"""Each check fails on a bad example, says where, and lets a good one pass."""
+
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import arrows
+import exceptions
+import format as formatting
+import paths
+import readmes
+import sizes
+import sources
+import units
+
+
+class Arrows(unittest.TestCase):
+    def only_problem(self, files):
+        found = arrows.problems(files)
+        self.assertEqual(len(found), 1, found)
+        return found[0]
+
+    def test_refuses_an_arrow_that_is_not_allowed(self):
+        for path, target in [
+            ("core/base/rng.hpp", "core/geometry/pose2.hpp"),
+            ("core/geometry/pose2.hpp", "core/base/rng.hpp"),
+            ("core/ndt/ndt.cpp", "rt/cpu_clock.hpp"),
+            ("rt/queue.hpp", "core/scan/scan_frame.hpp"),
+            ("drivers/lrf/scip.cpp", "core/slam/lslam.hpp"),
+            ("config/load.cpp", "firmware/stage.hpp"),
+            ("firmware/stage.cpp", "tools/sim/world.hpp"),
+            ("tools/main.cpp", "tests/support/scans.hpp"),
+        ]:
+            problem = self.only_problem({path: f'\n#include "{target}"\n'})
+            self.assertIn(f"{path}:2: {arrows.part(path)} may not include {arrows.part(target)}", problem)
+
+    def test_lets_the_allowed_ones_pass(self):
+        for path, target in [
+            ("core/ndt/ndt.cpp", "core/scan/scan_frame.hpp"),
+            ("rt/queue.hpp", "core/base/check.hpp"),
+            ("drivers/lrf/scip.cpp", "core/scan/scan_frame.hpp"),
+            ("config/load.cpp", "core/base/parameters.hpp"),
+            ("tools/main.cpp", "firmware/stage.hpp"),
+            ("tests/core/ndt_test.cpp", "tools/sim/world.hpp"),
+        ]:
+            self.assertEqual(arrows.problems({path: f'#include "{target}"\n'}), [])
+
+    def test_refuses_a_circle_of_files(self):
+        files = {
+            "core/ndt/a.hpp": '#include "core/ndt/b.hpp"',
+            "core/ndt/b.hpp": '#include "core/ndt/c.hpp"',
+            "core/ndt/c.hpp": '#include "core/ndt/a.hpp"',
+        }
+        self.assertIn("core/ndt/a.hpp -> core/ndt/b.hpp -> core/ndt/c.hpp -> core/ndt/a.hpp", self.only_problem(files))
+
+    def test_refuses_a_circle_of_folders_of_the_core(self):
+        files = {
+            "core/grid/a.hpp": '#include "core/slam/b.hpp"',
+            "core/slam/c.hpp": '#include "core/grid/d.hpp"',
+        }
+        self.assertIn("circle of folders: core/grid -> core/slam -> core/grid", self.only_problem(files))
+
+    def test_refuses_a_path_that_is_not_from_the_root(self):
+        self.assertIn("by its path from the root", self.only_problem({"rt/clock.cpp": '#include "clock.hpp"'}))
+
+    def test_refuses_clocks_and_files_in_the_core_alone(self):
+        self.assertIn("core/ndt/a.cpp:1: <chrono>", self.only_problem({"core/ndt/a.cpp": "#include <chrono>"}))
+        self.assertEqual(arrows.problems({"rt/clock.cpp": "#include <chrono>", "core/a/b.cpp": "#include <cmath>"}), [])
+
+
+class Sizes(unittest.TestCase):
+    def test_refuses_a_long_file(self):
+        self.assertEqual(sizes.problems({"rt/a.cpp": "\n" * 400}), [])
+        self.assertEqual(sizes.problems({"rt/a.cpp": "\n" * 401}), ["rt/a.cpp: 401 lines; at most 400"])
+
+    def test_refuses_a_long_function(self):
+        def function(lines):
+            return "\nint f() {\n" + "  g();\n" * (lines - 2) + "}\n"
+
+        self.assertEqual(sizes.problems({"rt/a.cpp": function(60)}), [])
+        self.assertEqual(sizes.problems({"rt/a.cpp": function(61)}), ["rt/a.cpp:2: f has 61 lines; at most 60"])
+
+    def test_refuses_many_parameters(self):
+        self.assertEqual(sizes.problems({"rt/a.hpp": "void f(int a, int b, int c, int d, int e);"}), [])
+        for text in [
+            "void f(int a, int b, int c, int d, int e, int g);",
+            "class A {\n public:\n  void f(int a, int b, int c, int d, int e, int g);\n};",
+            "void A::f(int a, int b, int c, int d, int e, int g) const {}",
+        ]:
+            self.assertIn("f has 6 parameters; at most 5", sizes.problems({"rt/a.hpp": text})[0])
+
+
+class Units(unittest.TestCase):
+    def flagged(self, text):
+        return [problem.split(": ")[1].split()[0] for problem in units.problems({"rt/a.hpp": text})]
+
+    def test_refuses_quantities_without_a_unit(self):
+        for name in "range yaw_ cell_size range_max kTimeout robot_width max_speed".split():
+            self.assertEqual(self.flagged(f"double {name} = 0.0;"), [name])
+        self.assertEqual(self.flagged("void f(double range, const float& yaw);"), ["range", "yaw"])
+        self.assertEqual(self.flagged("std::vector<float> ranges_;"), ["ranges_"])
+        self.assertEqual(self.flagged("std::int64_t stamp = 0;"), ["stamp"])
+        self.assertEqual(self.flagged("double distance(Point2 a, Point2 b);"), ["distance"])
+
+    def test_says_where(self):
+        self.assertIn("rt/a.hpp:3: yaw needs", units.problems({"rt/a.hpp": "// double range\n\ndouble yaw;\n"})[0])
+
+    def test_lets_units_and_plain_numbers_pass(self):
+        good = """
+            double range_m; float yaw_rad_{}; std::span<const float> ranges_m; double kCellSizeM = 1.0; double fitness;
+            double crossover_rate; double inverse_cell_size; double wrap_angle(double angle_rad); int size() const;
+            std::int64_t stamp_ns; std::size_t size; const double c = std::cos(yaw_rad); double x; // double range
+        """
+        self.assertEqual(self.flagged(good), [])
+
+
+class Paths(unittest.TestCase):
+    def test_refuses_a_developers_place(self):
+        for place in ["/ho" "me/ann/log", "/wo" "rk/main", "/Us" "ers/ann", "/t" "mp/out"]:
+            self.assertEqual(len(paths.problems({"tools/demo": f"\nopen {place}\n"})), 1, place)
+
+    def test_lets_other_paths_pass(self):
+        text = "https://example.org/wo" "rk/in/progress ${root}/wo" "rk/x ../ho" "me/ann /usr/share /dev/null"
+        self.assertEqual(paths.problems({"tools/demo": text}), [])
+        self.assertEqual(paths.problems({"tests/tools/a.cpp": '"/t' 'mp"'}), [])
+
+
+class Readmes(unittest.TestCase):
+    def test_refuses_a_folder_without_one(self):
+        files = {"README.md": "x", "rt/README.md": "x", "rt/a.cpp": "", "core/base/a.cpp": "", ".ci/run": ""}
+        self.assertEqual(readmes.problems(files), ["core/README.md: missing"])
+        self.assertEqual(readmes.problems(files | {"core/README.md": "what it is"}), [])
+
+
+class Exceptions(unittest.TestCase):
+    def test_refuses_them_where_nothing_may_throw(self):
+        text = "// throw in a comment\nvoid f() {\n  throw 1;\n}\n"
+        self.assertEqual(len(exceptions.problems({"core/a/b.cpp": text})), 1)
+        self.assertIn("core/a/b.cpp:3: throw", exceptions.problems({"core/a/b.cpp": text})[0])
+        self.assertEqual(exceptions.problems({"config/b.cpp": text}), [])
+
+
+class Format(unittest.TestCase):
+    def test_refuses_what_clang_format_would_change(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "good.cpp").write_text("int f() { return 1; }\n")
+            (pathlib.Path(folder) / "bad.cpp").write_text("int f( )\n{ return 1; }\n")
+            (pathlib.Path(folder) / ".clang-format").write_text("BasedOnStyle: Google\n")
+            self.assertEqual(formatting.problems(["good.cpp"], folder), [])
+            self.assertEqual(
+                formatting.problems(["good.cpp", "bad.cpp"], folder),
+                ["bad.cpp: not formatted; run: clang-format -i bad.cpp"],
+            )
+
+
+class Sources(unittest.TestCase):
+    def test_are_those_of_git_with_new_ones_but_nothing_built(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            subprocess.run(["git", "init", "--quiet", folder], check=True)
+            (root / ".gitignore").write_text("/build/\n")
+            (root / "build").mkdir()
+            for name in ("new.cpp", "build/made.cpp"):
+                (root / name).write_text("int a;\n")
+            (root / "picture.bin").write_bytes(b"\0\1")
+            self.assertEqual(sorted(sources.read_all(root)), [".gitignore", "new.cpp"])
+
+    def test_are_found_without_git_too(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for name in ("a.cpp", "build/made.cpp"):
+                (root / name).parent.mkdir(exist_ok=True)
+                (root / name).write_text("int a;\n")
+            self.assertEqual(sorted(sources.read_all(root)), ["a.cpp"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "config/robot_params.hpp"
+#include "core/geometry/stamped_pose.hpp"
+#include "core/grid/occupancy_map.hpp"
+#include "tools/log/scan_log.hpp"
+#include "tools/output/matches.hpp"
+
+namespace odoless {
+
+/// Which scans of a log are used, and the generator's seed.
+struct ReplayOptions {
+  int every = 1;
+  std::uint64_t seed = 1;
+};
+
+/// Called after each scan: scans done, scans in all, fitness of the last match.
+using ReplayProgress = std::function<void(std::int64_t, std::int64_t, double)>;
+
+/// What a log was made into.
+struct ReplayResult {
+  std::vector<StampedPose> trajectory;         ///< one per scan used, as known at the end
+  std::vector<StampedPose> online_trajectory;  ///< the same as known at the time
+  std::vector<MatchRow> matches;
+  OccupancyMap map;
+  int poor_matches = 0;  ///< not converged
+  int retried_matches = 0;
+  int filter_updates = 0;
+  double log_duration_s = 0.0;
+};
+
+/// Runs a log through the stages of the daemon on one thread. The same log, parameters and options give the same
+/// result, but for the times in `matches`.
+[[nodiscard]] ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
+                                  const ReplayProgress& progress);
+
+/// Matches each scan used with the one before: no filter, no local map, no expectation.
+[[nodiscard]] std::vector<MatchRow> match_pairs(const ScanLog& log, const RobotParams& params,
+                                                const ReplayOptions& options, const ReplayProgress& progress);
+
+}  // namespace odoless
