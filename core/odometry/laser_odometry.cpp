@@ -38,6 +38,7 @@ OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadl
   const double sd_rad = params_.expectation_widening * params_.angular_acceleration_sd_radps2 * period_s * period_s;
   const Result<MatchResult> match = matcher_.match(reference_, scan, {prediction, sd_m, sd_rad}, deadline, rng);
   Pose2 key_T_scan = prediction;
+  step.covariance = prior_covariance(period_s);
   if (match.ok()) {
     step.match = match.value();
     step.matched = true;
@@ -55,9 +56,10 @@ OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadl
   speed_yaw_radps_ = step.previous_T_current.yaw_rad / period_s;
   odom_T_scan_ = step.odom_T_scan;
   stamp_ns_ = scan.stamp_ns();
-  const bool is_key = std::hypot(key_T_scan.x_m, key_T_scan.y_m) > params_.key_distance_m ||
-                      std::abs(key_T_scan.yaw_rad) > params_.key_rotation_rad;
-  if (is_key) {
+  const bool is_away = std::hypot(key_T_scan.x_m, key_T_scan.y_m) > params_.key_distance_m ||
+                       std::abs(key_T_scan.yaw_rad) > params_.key_rotation_rad;
+  // A scan that was only predicted would push what was seen out of the local map; without a map any scan will do.
+  if (step.matched ? is_away : reference_.empty()) {
     add_key(scan, odom_T_scan_);
   }
   return step;
@@ -67,18 +69,22 @@ Pose2 LaserOdometry::predict(double period_s) const {
   return odom_T_scan_ * Pose2{speed_x_mps_ * period_s, speed_y_mps_ * period_s, speed_yaw_radps_ * period_s};
 }
 
-Pose2 LaserOdometry::fuse(const Pose2& prediction, const MatchResult& match, double period_s,
-                          Eigen::Matrix3d& covariance) const {
+Eigen::Matrix3d LaserOdometry::prior_covariance(double period_s) const {
   const double sd_m = params_.acceleration_sd_mps2 * period_s * period_s;
   const double sd_rad = params_.angular_acceleration_sd_radps2 * period_s * period_s;
+  return Eigen::Vector3d(sd_m * sd_m, sd_m * sd_m, sd_rad * sd_rad).asDiagonal();
+}
+
+Pose2 LaserOdometry::fuse(const Pose2& prediction, const MatchResult& match, double period_s,
+                          Eigen::Matrix3d& covariance) const {
+  const Eigen::Matrix3d prior = prior_covariance(period_s);
   Eigen::Matrix3d match_covariance = match.covariance;
   match_covariance.diagonal() +=
       Eigen::Vector3d(kMatch_sd_m * kMatch_sd_m, kMatch_sd_m * kMatch_sd_m, kMatch_sd_rad * kMatch_sd_rad);
-  if (sd_m <= 0.0 || sd_rad <= 0.0) {
+  if (prior(0, 0) <= 0.0 || prior(2, 2) <= 0.0) {
     covariance = match_covariance;
     return match.reference_T_scan;
   }
-  const Eigen::Matrix3d prior = Eigen::Vector3d(sd_m * sd_m, sd_m * sd_m, sd_rad * sd_rad).asDiagonal();
   const Eigen::Vector3d difference(match.reference_T_scan.x_m - prediction.x_m,
                                    match.reference_T_scan.y_m - prediction.y_m,
                                    wrap_angle(match.reference_T_scan.yaw_rad - prediction.yaw_rad));
@@ -92,7 +98,9 @@ void LaserOdometry::add_key(const ScanFrame& scan, const Pose2& odom_T_scan) {
   const int capacity = params_.key_scans;
   newest_key_ = (newest_key_ + 1) % capacity;
   key_count_ = std::min(key_count_ + 1, capacity);
-  keys_[static_cast<std::size_t>(newest_key_)] = {scan, odom_T_scan};
+  KeyScan& newest = keys_[static_cast<std::size_t>(newest_key_)];
+  newest.scan = scan;  // each by itself: a KeyScan in between would allocate
+  newest.odom_T_scan = odom_T_scan;
   const Pose2 key_T_odom = odom_T_scan.inverse();
   for (int age = 0; age < key_count_; ++age) {  // newest first
     const KeyScan& key = keys_[static_cast<std::size_t>((newest_key_ - age + capacity) % capacity)];

@@ -58,8 +58,8 @@ struct OdometryStep {
   std::int64_t to_stamp_ns = 0;
   Pose2 previous_T_current{};
   Pose2 odom_T_scan{};
-  Eigen::Matrix3d covariance =
-      Eigen::Matrix3d::Zero();  ///< of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of previous_T_current over (x_m, y_m, yaw_rad), previous
+                                                         ///< scan's axes; of the prediction where nothing was matched
   MatchResult match;
   bool matched = false;  ///< false for the first scan, and where nothing could be matched: then the prediction stands
 };
@@ -72,6 +72,7 @@ class LaserOdometry {
  public:
   LaserOdometry(const LaserOdometryParams& params, const MatcherParams& matcher, const ScanParams& scan);
 
+  /// `scan` has been made with room for no more beams than the constructor's `scan`.
   [[nodiscard]] OdometryStep process(const ScanFrame& scan, const Deadline& deadline, Rng& rng);
 
  private:
@@ -80,6 +81,7 @@ class LaserOdometry {
     Pose2 odom_T_scan;
   };
   [[nodiscard]] Pose2 predict(double period_s) const;
+  [[nodiscard]] Eigen::Matrix3d prior_covariance(double period_s) const;
   [[nodiscard]] Pose2 fuse(const Pose2& prediction, const MatchResult& match, double period_s,
                            Eigen::Matrix3d& covariance) const;
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
