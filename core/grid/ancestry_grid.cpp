@@ -217,10 +217,24 @@ AncestryGrid::Version AncestryGrid::find_beside(Version version, Owner owner, bo
   return other;
 }
 
-void AncestryGrid::Writer::enter(std::uint32_t tile_column, std::uint32_t tile_row) {
-  tile_column_ = tile_column;
-  tile_row_ = tile_row;
-  const std::uint32_t tile = grid_.tile_at(tile_column, tile_row);
+/// Number of the tile that holds the cell, row by row, or kOutside.
+std::uint32_t AncestryGrid::tile_of(const GridCell& cell) const {
+  const bool inside =
+      cell.column() >= 0 && cell.row() >= 0 && cell.column() < geometry_.columns && cell.row() < geometry_.rows;
+  return inside ? static_cast<std::uint32_t>(cell.row() / kTileSide_cells) * tile_columns_ +
+                      static_cast<std::uint32_t>(cell.column() / kTileSide_cells)
+                : kOutside;
+}
+
+void AncestryGrid::View::enter(const GridCell& cell) {
+  tile_ = cell.tile<kTileBits>();
+  const std::uint32_t tile = grid_.tile_of(cell);
+  cells_ = grid_.tiles_[tile == kOutside ? kBlank : grid_.seen(tile, rank_)].cells.data();
+}
+
+void AncestryGrid::Writer::enter(const GridCell& cell) {
+  tile_ = cell.tile<kTileBits>();
+  const std::uint32_t tile = grid_.tile_of(cell);
   grid_.counters_.outside_tiles += tile == kOutside ? 1 : 0;
   cells_ = grid_.tiles_[tile == kOutside ? kWaste : grid_.own_version(tile, leaf_, rank_)].cells.data();
 }

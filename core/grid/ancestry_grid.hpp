@@ -9,6 +9,7 @@
 #include "core/base/parameters.hpp"
 #include "core/grid/ancestry_tree.hpp"
 #include "core/grid/cell.hpp"
+#include "core/grid/grid_cell.hpp"
 #include "core/grid/grid_geometry.hpp"
 #include "core/grid/occupancy_map.hpp"
 
@@ -27,7 +28,7 @@ struct AncestryGridParams {
                 "Extent of the map along x, rounded up to whole tiles; the run starts at its centre.");
     visit.value("height_m", self.height_m, Range{1.0, 2000.0}, "Extent of the map along y, as for x.");
     visit.value("tiles_max", self.tiles_max, Range{16, 4'000'000},
-                "Pool of observed tiles of 16 x 16 cells, shared by all particles' maps; 2 KiB each.");
+                "Pool of observed tiles of 16 x 16 cells, shared by all particles' maps; 1 KiB each.");
   }
 };
 
@@ -49,7 +50,8 @@ struct AncestryGridParams {
 /// Real time: no allocation after construction.
 class AncestryGrid {
  public:
-  static constexpr int kTileSide_cells = 16;
+  static constexpr int kTileBits = 4;
+  static constexpr int kTileSide_cells = 1 << kTileBits;
 
   /// Tiles that observations were refused in or that lie outside of the grid, each counted once per beam and entry.
   struct Counters {
@@ -90,6 +92,7 @@ class AncestryGrid {
   static constexpr std::uint32_t kFirstVersion = 2;
   static constexpr Version kNone = 0;
   static constexpr std::uint32_t kOutside = UINT32_MAX;
+  static constexpr std::uint64_t kNoTile = UINT64_MAX;  ///< GridCell::tile of no cell
 
   struct alignas(64) Tile {
     std::array<Cell, std::size_t{kTileSide_cells} * kTileSide_cells> cells;
@@ -114,10 +117,7 @@ class AncestryGrid {
     std::uint32_t count = 0;
   };
 
-  [[nodiscard]] std::uint32_t tile_at(std::uint32_t tile_column, std::uint32_t tile_row) const {
-    const bool inside = tile_column < tile_columns_ && tile_row < tile_rows_;
-    return inside ? tile_row * tile_columns_ + tile_column : kOutside;
-  }
+  [[nodiscard]] std::uint32_t tile_of(const GridCell& cell) const;
   /// The version of a tile that the leaf with this rank sees.
   [[nodiscard]] Version& seen(std::uint32_t tile, std::uint32_t rank) {
     if (answers_of_tile_[tile] == 0) {
@@ -158,32 +158,23 @@ class AncestryGrid {
 /// Reads one particle's map cell by cell; neighbours in a row are cheap.
 class AncestryGrid::View {
  public:
-  /// Any column and row; outside of the grid is unknown.
-  [[nodiscard]] const Cell& at(int column, int row) {
-    const auto tile_column = static_cast<std::uint32_t>(column) / kTileSide_cells;  // negative ones become huge
-    const auto tile_row = static_cast<std::uint32_t>(row) / kTileSide_cells;
-    if (tile_column != tile_column_ || tile_row != tile_row_) {
-      enter(tile_column, tile_row);
+  /// Any cell; outside of the grid is unknown.
+  [[nodiscard]] const Cell& at(const GridCell& cell) {
+    if (cell.tile<kTileBits>() != tile_) {
+      enter(cell);
     }
-    return cells_[static_cast<std::uint32_t>(row) % kTileSide_cells * kTileSide_cells +
-                  static_cast<std::uint32_t>(column) % kTileSide_cells];
+    return cells_[cell.index_in_tile16()];
   }
 
  private:
   friend class AncestryGrid;
   View(AncestryGrid& grid, int particle) : grid_(grid), rank_(grid.tree_.rank(particle)) {}
 
-  void enter(std::uint32_t tile_column, std::uint32_t tile_row) {
-    tile_column_ = tile_column;
-    tile_row_ = tile_row;
-    const std::uint32_t tile = grid_.tile_at(tile_column, tile_row);
-    cells_ = grid_.tiles_[tile == kOutside ? kBlank : grid_.seen(tile, rank_)].cells.data();
-  }
+  void enter(const GridCell& cell);
 
   AncestryGrid& grid_;
   std::uint32_t rank_;
-  std::uint32_t tile_column_ = kOutside;
-  std::uint32_t tile_row_ = kOutside;
+  std::uint64_t tile_ = kNoTile;
   const Cell* cells_ = nullptr;
 };
 
@@ -191,14 +182,11 @@ class AncestryGrid::View {
 class AncestryGrid::Writer {
  public:
   /// The cell to add to. Outside of the grid, or where the pool refuses, a cell that nobody reads.
-  [[nodiscard]] Cell& at(int column, int row) {
-    const auto tile_column = static_cast<std::uint32_t>(column) / kTileSide_cells;
-    const auto tile_row = static_cast<std::uint32_t>(row) / kTileSide_cells;
-    if (tile_column != tile_column_ || tile_row != tile_row_) {
-      enter(tile_column, tile_row);
+  [[nodiscard]] Cell& at(const GridCell& cell) {
+    if (cell.tile<kTileBits>() != tile_) {
+      enter(cell);
     }
-    return cells_[static_cast<std::uint32_t>(row) % kTileSide_cells * kTileSide_cells +
-                  static_cast<std::uint32_t>(column) % kTileSide_cells];
+    return cells_[cell.index_in_tile16()];
   }
 
  private:
@@ -206,13 +194,12 @@ class AncestryGrid::Writer {
   Writer(AncestryGrid& grid, int particle)
       : grid_(grid), leaf_(grid.tree_.leaf(particle)), rank_(grid.tree_.rank(particle)) {}
 
-  void enter(std::uint32_t tile_column, std::uint32_t tile_row);
+  void enter(const GridCell& cell);
 
   AncestryGrid& grid_;
   Node leaf_;
   std::uint32_t rank_;
-  std::uint32_t tile_column_ = kOutside;
-  std::uint32_t tile_row_ = kOutside;
+  std::uint64_t tile_ = kNoTile;
   Cell* cells_ = nullptr;
 };
 

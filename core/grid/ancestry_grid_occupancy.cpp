@@ -22,12 +22,12 @@ struct TileBox {
   [[nodiscard]] bool empty() const { return column_min > column_max; }
 };
 
-std::int8_t occupancy_percent(const Cell& cell, double resolution_m, double rho_min_m) {
+std::int8_t occupancy_percent(const Cell& cell, float rho_min_parts) {
   if (cell.is_unknown()) {
     return OccupancyMap::kUnknown;
   }
-  const double stops = cell.stops_per_m(static_cast<float>(rho_min_m)) * resolution_m;
-  return static_cast<std::int8_t>(std::lround(-100.0 * std::expm1(-stops)));
+  return static_cast<std::int8_t>(
+      std::lround(-100.0 * std::expm1(-static_cast<double>(cell.stops_per_cell(rho_min_parts)))));
 }
 
 }  // namespace
@@ -48,10 +48,11 @@ void AncestryGrid::write_occupancy(int particle, double rho_min_m, OccupancyMap&
   map.height_cells = box.empty() ? 0 : (static_cast<int>(box.row_max) + 1) * kTileSide_cells - row;
   map.occupancy_percent.clear();
   map.occupancy_percent.reserve(static_cast<std::size_t>(map.width_cells) * static_cast<std::size_t>(map.height_cells));
+  const auto rho_min_parts = static_cast<float>(rho_min_m / geometry_.resolution_m * Cell::kParts);
   View cells = view(particle);
   for (int y = row; y < row + map.height_cells; ++y) {
     for (int x = column; x < column + map.width_cells; ++x) {
-      map.occupancy_percent.push_back(occupancy_percent(cells.at(x, y), map.resolution_m, rho_min_m));
+      map.occupancy_percent.push_back(occupancy_percent(cells.at({x, y}), rho_min_parts));
     }
   }
 }

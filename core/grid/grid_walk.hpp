@@ -5,6 +5,8 @@
 #include <cstdint>
 
 #include "core/geometry/pose2.hpp"
+#include "core/grid/cell.hpp"
+#include "core/grid/grid_cell.hpp"
 
 namespace odoless {
 
@@ -23,34 +25,24 @@ class GridWalk {
   /// @param direction     Unit vector.
   /// @param length_cells  >= 0; more than 10^6 cells are cut to that.
   GridWalk(const Point2& start, const Point2& direction, double length_cells)
-      : column_(cell_of(start.x_m)),
-        row_(cell_of(start.y_m)),
-        step_x_(direction.x_m < 0.0 ? -1 : 1),
-        step_y_(direction.y_m < 0.0 ? -1 : 1),
-        delta_x_(ticks(1.0 / std::abs(direction.x_m))),
-        delta_y_(ticks(1.0 / std::abs(direction.y_m))),
-        next_x_(ticks(way_to_border(start.x_m, column_, step_x_) / std::abs(direction.x_m))),
-        next_y_(ticks(way_to_border(start.y_m, row_, step_y_) / std::abs(direction.y_m))),
-        end_(ticks(std::min(length_cells, kLengthMaxCells))),
-        exit_(std::min({next_x_, next_y_, end_})) {}
+      : GridWalk(start, direction, {1.0 / std::abs(direction.x_m), 1.0 / std::abs(direction.y_m)}, length_cells) {}
 
-  [[nodiscard]] int column() const { return column_; }
-  [[nodiscard]] int row() const { return row_; }
+  [[nodiscard]] const GridCell& cell() const { return cell_; }
   /// Way from the start to where the beam enters and leaves the present cell.
   [[nodiscard]] float enter() const { return cells(enter_); }
   [[nodiscard]] float exit() const { return cells(exit_); }
   /// Length of the path in the present cell.
   [[nodiscard]] float length_cells() const { return cells(exit_ - enter_); }
-  [[nodiscard]] bool is_last() const { return exit_ == end_; }
+  /// The same in parts of a cell, each end rounded, so that the lengths of a walk sum up to its own.
+  [[nodiscard]] std::uint32_t length_parts() const { return parts(exit_) - parts(enter_); }
 
   /// Steps into the next cell; false, and stays, at the end of the beam.
   bool next() {
-    if (is_last()) {
+    if (exit_ == end_) {
       return false;
     }
-    const bool crosses_x = next_x_ < next_y_;  // selects, not branches: the order of crossings is unpredictable
-    column_ += crosses_x ? step_x_ : 0;
-    row_ += crosses_x ? 0 : step_y_;
+    const bool crosses_x = next_x_ < next_y_;
+    cell_.add(crosses_x ? step_x_ : step_y_);
     next_x_ += crosses_x ? delta_x_ : 0;
     next_y_ += crosses_x ? 0 : delta_y_;
     enter_ = exit_;
@@ -59,26 +51,44 @@ class GridWalk {
   }
 
  private:
+  static constexpr int kTicksBits = 32;
   static constexpr double kTicksPerCell = 0x1p32;
+  static constexpr std::int64_t kTicksPerPart = (std::int64_t{1} << kTicksBits) / Cell::kParts;
   static constexpr double kTicksMax = 0x1p61;  // two of them can be added
   static constexpr double kLengthMaxCells = 1e6;
   static constexpr double kStartMax = 1e9;
 
+  /// `cells_per_border`: way along the beam from one border to the next, in x and in y.
+  GridWalk(const Point2& start, const Point2& direction, const Point2& cells_per_border, double length_cells)
+      : cell_(cell_of(start.x_m), cell_of(start.y_m)),
+        step_x_(GridCell::step(direction.x_m < 0.0 ? -1 : 1, 0)),
+        step_y_(GridCell::step(0, direction.y_m < 0.0 ? -1 : 1)),
+        delta_x_(ticks(cells_per_border.x_m)),
+        delta_y_(ticks(cells_per_border.y_m)),
+        next_x_(ticks(to_border(start.x_m, direction.x_m) * cells_per_border.x_m)),
+        next_y_(ticks(to_border(start.y_m, direction.y_m) * cells_per_border.y_m)),
+        end_(ticks(std::min(length_cells, kLengthMaxCells))),
+        exit_(std::min({next_x_, next_y_, end_})) {}
+
   static int cell_of(double x) { return static_cast<int>(std::floor(std::clamp(x, -kStartMax, kStartMax))); }
-  static double way_to_border(double x, int cell, int step) {
-    return std::clamp(step > 0 ? cell + 1 - x : x - cell, 0.0, 1.0);
+  /// Share of the cell that lies ahead.
+  static double to_border(double x, double direction) {
+    const double behind = x - std::floor(x);
+    return direction < 0.0 ? behind : 1.0 - behind;
   }
   static std::int64_t ticks(double length_cells) {
     // A beam along an axis never reaches the other one's border: infinite, or 0/0 on it.
     const double scaled = length_cells * kTicksPerCell;
     return static_cast<std::int64_t>(scaled < kTicksMax ? scaled : kTicksMax);
   }
+  static std::uint32_t parts(std::int64_t ticks) {
+    return static_cast<std::uint32_t>((ticks + kTicksPerPart / 2) / kTicksPerPart);
+  }
   static float cells(std::int64_t ticks) { return static_cast<float>(ticks) * static_cast<float>(1.0 / kTicksPerCell); }
 
-  int column_;
-  int row_;
-  int step_x_;
-  int step_y_;
+  GridCell cell_;
+  std::uint64_t step_x_;
+  std::uint64_t step_y_;
   std::int64_t delta_x_;
   std::int64_t delta_y_;
   std::int64_t next_x_;

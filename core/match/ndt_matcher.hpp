@@ -47,6 +47,10 @@ struct Expectation {
   double sd_rad = 0.0;
 };
 
+/// Of a pair of scans `period_s` apart about which nothing else is known: no motion, give or take what the speeds
+/// allow. A period of 0 or less, as in logs without stamps, allows all.
+[[nodiscard]] Expectation expect_rest(const MatcherParams& params, double period_s);
+
 /// Matches a scan to a reference by a global search over the NDT score, with no prior but the centre of the box.
 ///
 /// A poor match is tried once more with wide cells, a wider box and every rotation, and says so.

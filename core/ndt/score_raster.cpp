@@ -24,12 +24,16 @@ inline float fast_exp_of_minus(float t) {
   return base * base;
 }
 
-// Adds a Gaussian along one row: exponent (a u^2 + 2 b u + c) / 2 with u = u0 + i * du.
-ODOLESS_HOT void add_gaussian_row(std::int16_t* row, int count, float u0, float du, float a, float b, float c) {
+// A Gaussian along one row of pixels: exponent (a u^2 + 2 b u + c) / 2 with u = u0 + i * du.
+struct RowGaussian {
+  float u0, du, a, b, c;
+};
+
+ODOLESS_HOT void add_gaussian_row(std::int16_t* row, int count, const RowGaussian g) {
   constexpr auto kScale = static_cast<float>(ScoreRaster::kUnit / Ndt::kGrids);
   for (int i = 0; i < count; ++i) {
-    const float u = u0 + static_cast<float>(i) * du;
-    const float value = kScale * fast_exp_of_minus(0.5F * ((a * u + 2.0F * b) * u + c));
+    const float u = g.u0 + static_cast<float>(i) * g.du;
+    const float value = kScale * fast_exp_of_minus(0.5F * ((g.a * u + 2.0F * g.b) * u + g.c));
     row[i] = static_cast<std::int16_t>(row[i] + 2 * static_cast<std::int16_t>(0.5F * value));
   }
 }
@@ -43,19 +47,21 @@ ODOLESS_HOT void mark_free_row(std::int16_t* row, int count, int penalty_1024ths
   }
 }
 
-struct RigidF {
+// From metres to the pixels of a square raster.
+struct PixelTransform {
   float c, s, x_px, y_px;
+  int side_px;
 };
 
 constexpr std::size_t kBlock = 128;
 
-ODOLESS_HOT void pixel_indices(const float* x_m, const float* y_m, std::size_t count, const RigidF& t, int side_px,
+ODOLESS_HOT void pixel_indices(const float* x_m, const float* y_m, std::size_t count, const PixelTransform t,
                                std::int32_t* indices) {
-  const auto limit = static_cast<float>(side_px - 1);
+  const auto limit = static_cast<float>(t.side_px - 1);
   for (std::size_t i = 0; i < count; ++i) {
     const float column = std::min(std::max(t.c * x_m[i] - t.s * y_m[i] + t.x_px, 0.0F), limit);
     const float row = std::min(std::max(t.s * x_m[i] + t.c * y_m[i] + t.y_px, 0.0F), limit);
-    indices[i] = static_cast<std::int32_t>(row) * side_px + static_cast<std::int32_t>(column);
+    indices[i] = static_cast<std::int32_t>(row) * t.side_px + static_cast<std::int32_t>(column);
   }
 }
 
@@ -102,8 +108,12 @@ void ScoreRaster::paint_cell(const Ndt::PlacedCell& placed, double side_m, doubl
     const double v = (row + 0.5 - half_px) * params_.resolution_m - cell.mean.y_m;
     std::int16_t* const first =
         &pixels_[static_cast<std::size_t>(row) * static_cast<std::size_t>(side_px_) + static_cast<std::size_t>(left)];
-    add_gaussian_row(first, right - left, static_cast<float>(u0), static_cast<float>(params_.resolution_m),
-                     static_cast<float>(b.xx), static_cast<float>(b.xy * v), static_cast<float>(b.yy * v * v));
+    add_gaussian_row(first, right - left,
+                     {.u0 = static_cast<float>(u0),
+                      .du = static_cast<float>(params_.resolution_m),
+                      .a = static_cast<float>(b.xx),
+                      .b = static_cast<float>(b.xy * v),
+                      .c = static_cast<float>(b.yy * v * v)});
   }
 }
 
@@ -140,16 +150,16 @@ void ScoreRaster::mark_wedge(double start_rad, double end_rad, double radius_m, 
     const double a_rad = from_rad - base_rad;
     const double b_rad = until_rad - base_rad;
     if (half_turn % 2 == 0) {
-      mark_half_wedge(a_rad, b_rad, radius_m, apex, 1.0, penalty);
+      mark_half_wedge({a_rad, b_rad, radius_m}, apex, 1.0, penalty);
     } else {
-      mark_half_wedge(kPi - b_rad, kPi - a_rad, radius_m, apex, -1.0, penalty);
+      mark_half_wedge({kPi - b_rad, kPi - a_rad, radius_m}, apex, -1.0, penalty);
     }
     from_rad = until_rad;
   }
 }
 
-void ScoreRaster::mark_half_wedge(double start_rad, double end_rad, double radius_m, const Point2& apex, double mirror,
-                                  double penalty) {
+void ScoreRaster::mark_half_wedge(const HalfWedge& wedge, const Point2& apex, double mirror, double penalty) {
+  const auto [start_rad, end_rad, radius_m] = wedge;
   const bool has_right_edge = start_rad > 1e-6;  // else the wedge begins along the row
   const bool has_left_edge = end_rad < kPi - 1e-6;
   const double cot_start = has_right_edge ? std::cos(start_rad) / std::sin(start_rad) : 0.0;
@@ -186,15 +196,15 @@ void ScoreRaster::mark_span(int row, double from_px, double to_px, double penalt
 double ScoreRaster::score(std::span<const float> x_m, std::span<const float> y_m,
                           const Pose2& reference_T_points) const {
   const double half_px = 0.5 * side_px_;
-  const RigidF transform{static_cast<float>(std::cos(reference_T_points.yaw_rad) * inverse_resolution_),
-                         static_cast<float>(std::sin(reference_T_points.yaw_rad) * inverse_resolution_),
-                         static_cast<float>(reference_T_points.x_m * inverse_resolution_ + half_px),
-                         static_cast<float>(reference_T_points.y_m * inverse_resolution_ + half_px)};
+  const PixelTransform transform{static_cast<float>(std::cos(reference_T_points.yaw_rad) * inverse_resolution_),
+                                 static_cast<float>(std::sin(reference_T_points.yaw_rad) * inverse_resolution_),
+                                 static_cast<float>(reference_T_points.x_m * inverse_resolution_ + half_px),
+                                 static_cast<float>(reference_T_points.y_m * inverse_resolution_ + half_px), side_px_};
   std::array<std::int32_t, kBlock> indices;
   std::int32_t sum = 0;
   for (std::size_t start = 0; start < x_m.size(); start += kBlock) {
     const std::size_t count = std::min(kBlock, x_m.size() - start);
-    pixel_indices(x_m.data() + start, y_m.data() + start, count, transform, side_px_, indices.data());
+    pixel_indices(x_m.data() + start, y_m.data() + start, count, transform, indices.data());
     for (std::size_t i = 0; i < count; ++i) {
       sum += pixels_[static_cast<std::size_t>(indices[i])];
     }

@@ -55,10 +55,16 @@ class ScoreRaster {
   [[nodiscard]] const RasterParams& params() const { return params_; }
 
  private:
+  /// A part of a disc within the half plane y >= 0, as seen from its apex.
+  struct HalfWedge {
+    double start_rad;
+    double end_rad;
+    double radius_m;
+  };
+
   void paint_cell(const Ndt::PlacedCell& placed, double side_m, double sigma_ratio_min);
   void mark_wedge(double start_rad, double end_rad, double radius_m, const Point2& apex, double penalty);
-  void mark_half_wedge(double start_rad, double end_rad, double radius_m, const Point2& apex, double mirror,
-                       double penalty);
+  void mark_half_wedge(const HalfWedge& wedge, const Point2& apex, double mirror, double penalty);
   void mark_span(int row, double from_px, double to_px, double penalty);
 
   RasterParams params_;

@@ -9,6 +9,16 @@ namespace {
 
 constexpr double kMatch_sd_m = 0.01;  // what no covariance of a match may undercut: cells, thinning, distortion
 constexpr double kMatch_sd_rad = 0.003;
+constexpr double kSpeed_kept_unmatched = 0.5;
+
+// The covariance in axes that the old ones are turned against by yaw_rad.
+Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double yaw_rad) {
+  const double c = std::cos(yaw_rad);
+  const double s = std::sin(yaw_rad);
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() << c, -s, s, c;
+  return turn * covariance * turn.transpose();
+}
 
 }  // namespace
 
@@ -23,75 +33,70 @@ LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const MatcherPar
 
 OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, Rng& rng) {
   OdometryStep step;
-  step.from_stamp_ns = newest_key_ < 0 ? scan.stamp_ns() : stamp_ns_;
   step.to_stamp_ns = scan.stamp_ns();
-  if (newest_key_ < 0) {
-    add_key(scan, odom_T_scan_);
-    stamp_ns_ = scan.stamp_ns();
-    return step;
-  }
-  const double period_s = std::max(params_.period_min_s, static_cast<double>(scan.stamp_ns() - stamp_ns_) * 1e-9);
-  const KeyScan& key = keys_[static_cast<std::size_t>(newest_key_)];
-  const Pose2 key_T_odom = key.odom_T_scan.inverse();
-  const Pose2 prediction = key_T_odom * predict(period_s);
-  const double sd_m = params_.expectation_widening * params_.acceleration_sd_mps2 * period_s * period_s;
-  const double sd_rad = params_.expectation_widening * params_.angular_acceleration_sd_radps2 * period_s * period_s;
-  const Result<MatchResult> match = matcher_.match(reference_, scan, {prediction, sd_m, sd_rad}, deadline, rng);
-  Pose2 key_T_scan = prediction;
-  step.covariance = prior_covariance(period_s);
-  if (match.ok()) {
-    step.match = match.value();
-    step.matched = true;
-    Eigen::Matrix3d key_covariance;
-    key_T_scan = fuse(prediction, step.match, period_s, key_covariance);
-    const double yaw_rad = (key_T_odom * odom_T_scan_).yaw_rad;  // from the key's axes to the previous scan's
-    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-    turn.topLeftCorner<2, 2>() << std::cos(yaw_rad), std::sin(yaw_rad), -std::sin(yaw_rad), std::cos(yaw_rad);
-    step.covariance = turn * key_covariance * turn.transpose();
-  }
-  step.odom_T_scan = key.odom_T_scan * key_T_scan;
+  step.from_stamp_ns = started_ ? stamp_ns_ : step.to_stamp_ns;
+  const double period_s =
+      std::max(params_.period_min_s, static_cast<double>(step.to_stamp_ns - step.from_stamp_ns) * 1e-9);
+  const Pose2 odom_T_key = reference_.empty() ? odom_T_scan_ : odom_T_key_;
+  const Pose2 key_T_scan = odom_T_key.inverse() * predict(period_s);
+  const Deviations expected = deviations(period_s);
+  const double widening = params_.expectation_widening;
+  const Result<MatchResult> match = matcher_.match(
+      reference_, scan, {key_T_scan, widening * expected.sd_m, widening * expected.sd_rad}, deadline, rng);
+  step.matched = match.ok();
+  step.match = match.ok() ? match.value() : MatchResult{};
+  const Fused fused = match.ok() ? fuse(key_T_scan, step.match, expected) : Fused{key_T_scan, expected.covariance()};
+  step.odom_T_scan = odom_T_key * fused.key_T_scan;
   step.previous_T_current = odom_T_scan_.inverse() * step.odom_T_scan;
-  speed_x_mps_ = step.previous_T_current.x_m / period_s;
-  speed_y_mps_ = step.previous_T_current.y_m / period_s;
-  speed_yaw_radps_ = step.previous_T_current.yaw_rad / period_s;
-  odom_T_scan_ = step.odom_T_scan;
-  stamp_ns_ = scan.stamp_ns();
-  const bool is_away = std::hypot(key_T_scan.x_m, key_T_scan.y_m) > params_.key_distance_m ||
-                       std::abs(key_T_scan.yaw_rad) > params_.key_rotation_rad;
-  // A scan that was only predicted would push what was seen out of the local map; without a map any scan will do.
-  if (step.matched ? is_away : reference_.empty()) {
+  step.covariance = turned(fused.covariance, (odom_T_scan_.inverse() * odom_T_key).yaw_rad);
+  remember(step, period_s);
+  if (reference_.empty() || std::hypot(fused.key_T_scan.x_m, fused.key_T_scan.y_m) > params_.key_distance_m ||
+      std::abs(fused.key_T_scan.yaw_rad) > params_.key_rotation_rad) {
     add_key(scan, odom_T_scan_);
   }
   return step;
 }
 
-Pose2 LaserOdometry::predict(double period_s) const {
-  return odom_T_scan_ * Pose2{speed_x_mps_ * period_s, speed_y_mps_ * period_s, speed_yaw_radps_ * period_s};
+void LaserOdometry::remember(const OdometryStep& step, double period_s) {
+  const double kept = step.matched ? 1.0 : kSpeed_kept_unmatched;  // a blind robot is not taken to drive on for ever
+  speed_x_mps_ = kept * step.previous_T_current.x_m / period_s;
+  speed_y_mps_ = kept * step.previous_T_current.y_m / period_s;
+  speed_yaw_radps_ = kept * step.previous_T_current.yaw_rad / period_s;
+  odom_T_scan_ = step.odom_T_scan;
+  stamp_ns_ = step.to_stamp_ns;
+  started_ = true;
 }
 
-Eigen::Matrix3d LaserOdometry::prior_covariance(double period_s) const {
-  const double sd_m = params_.acceleration_sd_mps2 * period_s * period_s;
-  const double sd_rad = params_.angular_acceleration_sd_radps2 * period_s * period_s;
+Pose2 LaserOdometry::predict(double period_s) const {
+  const double driven_s = std::min(period_s, params_.prediction_max_s);
+  return odom_T_scan_ * Pose2{speed_x_mps_ * driven_s, speed_y_mps_ * driven_s, speed_yaw_radps_ * driven_s};
+}
+
+LaserOdometry::Deviations LaserOdometry::deviations(double period_s) const {
+  return {params_.acceleration_sd_mps2 * period_s * period_s,
+          params_.angular_acceleration_sd_radps2 * period_s * period_s};
+}
+
+Eigen::Matrix3d LaserOdometry::Deviations::covariance() const {
   return Eigen::Vector3d(sd_m * sd_m, sd_m * sd_m, sd_rad * sd_rad).asDiagonal();
 }
 
-Pose2 LaserOdometry::fuse(const Pose2& prediction, const MatchResult& match, double period_s,
-                          Eigen::Matrix3d& covariance) const {
-  const Eigen::Matrix3d prior = prior_covariance(period_s);
+LaserOdometry::Fused LaserOdometry::fuse(const Pose2& prediction, const MatchResult& match,
+                                         const Deviations& expected) const {
   Eigen::Matrix3d match_covariance = match.covariance;
   match_covariance.diagonal() +=
       Eigen::Vector3d(kMatch_sd_m * kMatch_sd_m, kMatch_sd_m * kMatch_sd_m, kMatch_sd_rad * kMatch_sd_rad);
-  if (prior(0, 0) <= 0.0 || prior(2, 2) <= 0.0) {
-    covariance = match_covariance;
-    return match.reference_T_scan;
+  if (expected.sd_m <= 0.0 || expected.sd_rad <= 0.0) {
+    return {match.reference_T_scan, match_covariance};
   }
+  const Eigen::Matrix3d prior = expected.covariance();
+  const Eigen::Matrix3d gain = prior * (prior + match_covariance).inverse();
   const Eigen::Vector3d difference(match.reference_T_scan.x_m - prediction.x_m,
                                    match.reference_T_scan.y_m - prediction.y_m,
                                    wrap_angle(match.reference_T_scan.yaw_rad - prediction.yaw_rad));
-  const Eigen::Matrix3d inverse_sum = (prior + match_covariance).inverse();
-  const Eigen::Vector3d gain = prior * (inverse_sum * difference);
-  covariance = prior - prior * inverse_sum * prior;
-  return {prediction.x_m + gain.x(), prediction.y_m + gain.y(), wrap_angle(prediction.yaw_rad + gain.z())};
+  const Eigen::Vector3d moved = gain * difference;
+  return {{prediction.x_m + moved.x(), prediction.y_m + moved.y(), wrap_angle(prediction.yaw_rad + moved.z())},
+          prior - gain * prior};
 }
 
 void LaserOdometry::add_key(const ScanFrame& scan, const Pose2& odom_T_scan) {
@@ -101,6 +106,7 @@ void LaserOdometry::add_key(const ScanFrame& scan, const Pose2& odom_T_scan) {
   KeyScan& newest = keys_[static_cast<std::size_t>(newest_key_)];
   newest.scan = scan;  // each by itself: a KeyScan in between would allocate
   newest.odom_T_scan = odom_T_scan;
+  odom_T_key_ = odom_T_scan;
   const Pose2 key_T_odom = odom_T_scan.inverse();
   for (int age = 0; age < key_count_; ++age) {  // newest first
     const KeyScan& key = keys_[static_cast<std::size_t>((newest_key_ - age + capacity) % capacity)];

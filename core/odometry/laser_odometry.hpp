@@ -30,6 +30,7 @@ struct LaserOdometryParams {
   double acceleration_sd_mps2 = 1.5;
   double angular_acceleration_sd_radps2 = 8.0;
   double period_min_s = 0.02;
+  double prediction_max_s = 0.5;
   double expectation_widening = 3.0;
 
   template <class Self, class Visitor>
@@ -45,6 +46,8 @@ struct LaserOdometryParams {
         "Deviation of the acceleration that is expected of the robot; it holds the estimate where the scene does not.");
     visit.value("angular_acceleration_sd_radps2", self.angular_acceleration_sd_radps2, Range{0.0, 10000.0},
                 "The same of its rotation.");
+    visit.value("prediction_max_s", self.prediction_max_s, Range{0.0, 10.0},
+                "The robot is taken to keep its speed for so long where scans are missing.");
     visit.value("expectation_widening", self.expectation_widening, Range{0.0, 100.0},
                 "The search expects the motion within so many of these deviations.");
     visit.value("period_min_s", self.period_min_s, Range{0.001, 10.0},
@@ -58,8 +61,8 @@ struct OdometryStep {
   std::int64_t to_stamp_ns = 0;
   Pose2 previous_T_current{};
   Pose2 odom_T_scan{};
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of previous_T_current over (x_m, y_m, yaw_rad), previous
-                                                         ///< scan's axes; of the prediction where nothing was matched
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Zero();  ///< of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes
   MatchResult match;
   bool matched = false;  ///< false for the first scan, and where nothing could be matched: then the prediction stands
 };
@@ -80,10 +83,20 @@ class LaserOdometry {
     ScanFrame scan;
     Pose2 odom_T_scan;
   };
+  struct Deviations {
+    double sd_m;
+    double sd_rad;
+    [[nodiscard]] Eigen::Matrix3d covariance() const;
+  };
+  struct Fused {
+    Pose2 key_T_scan;
+    Eigen::Matrix3d covariance;  ///< over (x_m, y_m, yaw_rad), the key scan's axes
+  };
   [[nodiscard]] Pose2 predict(double period_s) const;
-  [[nodiscard]] Eigen::Matrix3d prior_covariance(double period_s) const;
-  [[nodiscard]] Pose2 fuse(const Pose2& prediction, const MatchResult& match, double period_s,
-                           Eigen::Matrix3d& covariance) const;
+  [[nodiscard]] Deviations deviations(double period_s) const;
+  /// The match where the scene holds it, the prediction where it does not.
+  [[nodiscard]] Fused fuse(const Pose2& prediction, const MatchResult& match, const Deviations& expected) const;
+  void remember(const OdometryStep& step, double period_s);
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
 
   LaserOdometryParams params_;
@@ -93,6 +106,8 @@ class LaserOdometry {
   std::vector<PlacedScan> placed_;
   int key_count_ = 0;
   int newest_key_ = -1;
+  bool started_ = false;
+  Pose2 odom_T_key_{};
   std::int64_t stamp_ns_ = 0;
   Pose2 odom_T_scan_{};
   double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;

@@ -31,16 +31,15 @@ struct BeamModelParams {
 /// sigma^2) with m the way to the middle of the path in the cell, and is lifted by a uniform floor. Constant factors
 /// are left out: they cancel when weights are normalised.
 ///
-/// `Map` has `at(column, row)`, which returns a Cell for every column and row.
+/// `Map` has `at(GridCell)`, which returns the Cell for any column and row.
 /// Units:     lengths along a walk are in cells. Thread: immutable. Real time: no allocation, bounded by the walk.
 class BeamModel {
  public:
   BeamModel(const BeamModelParams& params, double resolution_m)
-      : resolution_m_(static_cast<float>(resolution_m)),
-        floor_(static_cast<float>(params.floor)),
+      : floor_(static_cast<float>(params.floor)),
         sigmas_per_cell_(static_cast<float>(resolution_m / params.sigma_m)),
-        unknown_stops_per_m_(static_cast<float>(1.0 / params.unknown_rho_m)),
-        rho_min_m_(static_cast<float>(params.rho_min_m)) {}
+        unknown_stops_per_cell_(static_cast<float>(resolution_m / params.unknown_rho_m)),
+        rho_min_parts_(static_cast<float>(params.rho_min_m / resolution_m * Cell::kParts)) {}
 
   /// Way beyond a range that a walk must cover for `likelihood`.
   [[nodiscard]] double reach_cells() const { return kSigmas / static_cast<double>(sigmas_per_cell_); }
@@ -50,19 +49,25 @@ class BeamModel {
   [[nodiscard]] float likelihood(Map& map, GridWalk walk, float measured_cells) const {
     const float near_cells = measured_cells - kSigmas / sigmas_per_cell_;
     float depth = 0.0F;  // integral of 1 / rho along the way: P(reach) = exp(-depth)
+    float reach = 1.0F;  // once near
+    bool near = false;
     float sum = 0.0F;
     do {
-      const Cell& cell = map.at(walk.column(), walk.row());
+      const Cell& cell = map.at(walk.cell());
       if (cell.is_free()) {
         continue;
       }
-      const float behind = depth + stops_per_m(cell) * walk.length_cells() * resolution_m_;
+      const float before = depth;
+      depth += stops_per_cell(cell) * walk.length_cells();
       if (walk.exit() > near_cells) {
+        reach = near ? reach : decay(before);
+        near = true;
+        const float passed = decay(depth);
         const float middle_cells = 0.5F * (walk.enter() + walk.exit());
         const float sigmas = (measured_cells - middle_cells) * sigmas_per_cell_;
-        sum += (decay(depth) - decay(behind)) * decay(0.5F * sigmas * sigmas);
+        sum += (reach - passed) * decay(0.5F * sigmas * sigmas);
+        reach = passed;
       }
-      depth = behind;
     } while (depth < kOpaque && walk.next());
     return lifted(sum);
   }
@@ -72,8 +77,8 @@ class BeamModel {
   [[nodiscard]] float likelihood_of_passing(Map& map, GridWalk walk) const {
     float depth = 0.0F;
     do {
-      const Cell& cell = map.at(walk.column(), walk.row());
-      depth += cell.is_free() ? 0.0F : stops_per_m(cell) * walk.length_cells() * resolution_m_;
+      const Cell& cell = map.at(walk.cell());
+      depth += cell.is_free() ? 0.0F : stops_per_cell(cell) * walk.length_cells();
     } while (depth < kOpaque && walk.next());
     return lifted(decay(depth));
   }
@@ -83,26 +88,27 @@ class BeamModel {
   void integrate(Map& map, GridWalk walk, bool stopped) const {
     Cell* cell = nullptr;
     do {
-      cell = &map.at(walk.column(), walk.row());
-      cell->distance_m += walk.length_cells() * resolution_m_;
+      cell = &map.at(walk.cell());
+      cell->pass(walk.length_parts());
     } while (walk.next());
-    cell->hits += stopped ? 1.0F : 0.0F;
+    if (stopped) {
+      cell->hit();
+    }
   }
 
  private:
   static constexpr float kSigmas = 3.0F;
   static constexpr float kOpaque = 12.0F;  ///< P(reach) < 1e-5: what lies behind does not count
 
-  [[nodiscard]] float stops_per_m(const Cell& cell) const {
-    return cell.is_unknown() ? unknown_stops_per_m_ : cell.stops_per_m(rho_min_m_);
+  [[nodiscard]] float stops_per_cell(const Cell& cell) const {
+    return cell.is_unknown() ? unknown_stops_per_cell_ : cell.stops_per_cell(rho_min_parts_);
   }
   [[nodiscard]] float lifted(float likelihood) const { return floor_ + (1.0F - floor_) * likelihood; }
 
-  float resolution_m_;
   float floor_;
   float sigmas_per_cell_;
-  float unknown_stops_per_m_;
-  float rho_min_m_;
+  float unknown_stops_per_cell_;
+  float rho_min_parts_;
 };
 
 }  // namespace odoless

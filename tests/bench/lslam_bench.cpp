@@ -73,7 +73,7 @@ void BM_GridWalk(benchmark::State& state) {
     GridWalk walk({1000.3, 1000.6}, {std::cos(angle_rad), std::sin(angle_rad)}, 100.0);
     int sum = 0;
     do {
-      sum += walk.column() ^ walk.row();
+      sum += walk.cell().column() ^ walk.cell().row();
       ++cells;
     } while (walk.next());
     benchmark::DoNotOptimize(sum);

@@ -15,7 +15,9 @@ int whole_tiles_cells(double extent_cells) { return 16 * static_cast<int>(std::c
 PlainMap::PlainMap(const GridGeometry& grid)
     : columns_(grid.columns), rows_(grid.rows), cells_(static_cast<std::size_t>(grid.columns * grid.rows)) {}
 
-Cell& PlainMap::at(int column, int row) {
+Cell& PlainMap::at(const GridCell& cell) {
+  const int column = cell.column();
+  const int row = cell.row();
   if (column < 0 || row < 0 || column >= columns_ || row >= rows_) {
     outside_ = Cell{};
     return outside_;

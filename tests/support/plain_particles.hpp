@@ -12,7 +12,7 @@ class PlainMap {
   explicit PlainMap(const GridGeometry& grid);
 
   /// Outside of the grid: a cell that is always unknown when read, and takes what is written.
-  [[nodiscard]] Cell& at(int column, int row);
+  [[nodiscard]] Cell& at(const GridCell& cell);
 
  private:
   int columns_;

@@ -1,37 +1,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <initializer_list>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/run_command.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tools/command/command_line.hpp"
 #include "tools/output/matches.hpp"
 
 namespace odoless {
 namespace {
 
+using test::Outcome;
+using test::run;
 using ::testing::HasSubstr;
-
-struct Outcome {
-  int status = 0;
-  std::string out;
-  std::string err;
-};
-
-Outcome run(std::initializer_list<std::string> arguments) {
-  std::vector<const char*> argv{"odoless"};
-  for (const std::string& argument : arguments) {
-    argv.push_back(argument.c_str());
-  }
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Outcome outcome;
-  outcome.status = run_command_line(static_cast<int>(argv.size()), argv.data());
-  outcome.out = testing::internal::GetCapturedStdout();
-  outcome.err = testing::internal::GetCapturedStderr();
-  return outcome;
-}
 
 constexpr const char* kLog =
     "FLASER 4 1 2 0 81.91 0 0 0 0 0 0 10 h 0\nFLASER 4 3 4 5 81.91 1 0 0 0 0 0 10.5 h 0\nFLASER 4 3 4 5 6 1 1 0 0 0 0 "

@@ -76,8 +76,8 @@ TEST(Trajectory, IsReadBackAsAReference) {
   ASSERT_EQ(back.poses.size(), poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
     EXPECT_NEAR(back.poses[i].stamp_s, static_cast<double>(poses[i].stamp_ns) * 1e-9, 1e-6);
-    EXPECT_NEAR(back.poses[i].pose.distance_m(poses[i].pose), 0.0, 1e-6);
-    EXPECT_NEAR(wrap_angle(back.poses[i].pose.yaw_rad - poses[i].pose.yaw_rad), 0.0, 1e-6);
+    EXPECT_NEAR(back.poses[i].pose.distance_m(poses[i].map_T_scan), 0.0, 1e-6);
+    EXPECT_NEAR(wrap_angle(back.poses[i].pose.yaw_rad - poses[i].map_T_scan.yaw_rad), 0.0, 1e-6);
   }
 }
 

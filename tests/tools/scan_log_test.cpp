@@ -45,7 +45,7 @@ TEST(ScanLog, ReadsFlaserAndSkipsEveryOtherMessage) {
   const ScanLog log = read(
       "# comment\nPARAM a b 0 nohost 0\nODOM 1 2 3 0 0 0 1 h 1\n\nSYNC x\n"
       "FLASER 3 1.5 81.91 inf 1 2 3 4 5 6 10.25 host 0.1\nNEFF 4\n"
-      "FLASER 3 0 nan 2 1 2 3 4 5 6 10.5 host 0.1\r\n");
+      "\t FLASER\t3  0 nan 2 1 2 3 4 5 6 10.5 host 0.1 \r\n");
   EXPECT_EQ(log.format, "CARMEN FLASER");
   EXPECT_TRUE(log.has_stamps);
   ASSERT_EQ(log.scans.size(), 2U);
@@ -125,7 +125,8 @@ TEST(ScanLog, KeepsStampsThatGoBackwards) {
 
 TEST(ScanLog, NamesTheLineAndWhatIsWrong) {
   const std::string good = flaser(3);
-  EXPECT_THAT(error_of(good + "FLASER 3 1 2 0 0 0 0 0 0 13 host 1\n"), HasSubstr("test.log:2: "));
+  EXPECT_THAT(error_of(good + "FLASER 3 1 2 0 0 0 0 0 0 13 host 1\n"),
+              HasSubstr("test.log:2: 13 fields do not fit 3 ranges"));
   EXPECT_THAT(error_of(good + "FLASER 3 1 2 x 0 0 0 0 0 0 13 host 1\n"), HasSubstr("field 5 is 'x'"));
   EXPECT_THAT(error_of(good + "FLASER 3 1 2 3 0 0 0 0 0 0 soon host 1\n"), HasSubstr("a time stamp in seconds"));
   EXPECT_THAT(error_of(good + "FLASER 3 1 2 3 0 0 0 0 0 y 13 host 1\n"), HasSubstr("field 11 is 'y'"));

@@ -6,6 +6,7 @@
 #include <new>
 #include <system_error>
 
+#include "config/config_error.hpp"
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
 #include "tools/command/info.hpp"
@@ -19,6 +20,7 @@ constexpr int kUsage = 64;
 constexpr int kSoftware = 70;
 constexpr int kSystem = 71;
 constexpr int kInputOutput = 74;
+constexpr int kConfiguration = 78;
 
 /// Every sub-command, in the order of --help. A new one: its own tools/command/NAME.hpp and .cpp, and a line here.
 void add_commands(CLI::App& app) {
@@ -65,6 +67,8 @@ int run_command_line(int argc, const char* const* argv) {
     return status;
   } catch (const UserError& error) {
     return fail(error.exit_code(), "", error.what());
+  } catch (const ConfigError& error) {
+    return fail(kConfiguration, "", error.what());
   } catch (const std::system_error& error) {
     return fail(kInputOutput, "", error.what());
   } catch (const std::bad_alloc&) {

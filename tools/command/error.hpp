@@ -50,4 +50,7 @@ class IoError : public UserError {
   explicit IoError(const std::string& message) : UserError(74, message) {}
 };
 
+/// What the system says of an error number.
+[[nodiscard]] std::string system_reason(int error_number);
+
 }  // namespace odoless

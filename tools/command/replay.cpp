@@ -143,7 +143,9 @@ CLI::App* add_log_job(CLI::App& app, const char* name, const char* what, LogJob&
   command->add_option("LOG", job.log, "Recorded log (see `odoless info`); .gz and .xz are read too")->required();
   command->add_option("--out", job.out, "Folder for the results")->required();
   command->add_option("--config", job.config, "TOML file that overrides defaults (see `odoless config defaults`)");
-  command->add_option("--every", job.options.every, "Use every N-th scan")->check(CLI::Range(1, 1000000))->capture_default_str();
+  command->add_option("--every", job.options.every, "Use every N-th scan")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   command->add_option("--seed", job.options.seed, "Seed of the random generator")->capture_default_str();
   command->add_option("--period-ms", job.period_ms, "Time between scans of a log without stamps")
       ->check(CLI::Range(0.001, 1e6))
@@ -172,8 +174,17 @@ void add_config(CLI::App& app) {
   config->add_subcommand("reference", "Every key with its default, range and meaning, as Markdown")->callback([] {
     fmt::print("{}", write_reference(RobotParams{}));
   });
-  config->add_subcommand("defaults", "A configuration file that says what is built in")->callback([] {
-    fmt::print("{}", write_toml(RobotParams{}));
+  const auto preset = std::make_shared<std::string>("default");
+  CLI::App* const defaults = config->add_subcommand("defaults", "A configuration file that says what is built in");
+  defaults->add_option("--preset", *preset, "default, or seed: plain Differential Evolution with N = 100 and G = 50")
+      ->check(CLI::IsMember({"default", "seed"}))
+      ->capture_default_str();
+  defaults->callback([preset] {
+    RobotParams params;
+    if (*preset == "seed") {
+      params.matcher = seed_matcher_params();
+    }
+    fmt::print("{}", write_toml(params));
   });
 }
 

@@ -57,6 +57,7 @@ AteResult evaluate_ate(std::span<const ReferencePose> reference, std::span<const
   result.used = pairs.size();
   result.reference_T_estimate = align(pairs);
   std::vector<PoseError> errors;
+  errors.reserve(pairs.size());
   for (const PosePair& pair : pairs) {
     errors.push_back(pose_error(pair.reference, result.reference_T_estimate * pair.estimate));
   }

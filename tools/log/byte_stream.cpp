@@ -4,7 +4,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <string>
 
 #include "tools/command/error.hpp"
@@ -18,7 +17,7 @@ class FileStream : public ByteStream {
   explicit FileStream(const std::filesystem::path& path)
       : name_(path.string()), file_(std::fopen(name_.c_str(), "rb"), &std::fclose) {
     if (!file_) {
-      throw NoInputError(name_ + ": cannot be opened: " + std::strerror(errno));
+      throw NoInputError(name_ + ": cannot be opened: " + system_reason(errno));
     }
     if (std::filesystem::is_directory(path)) {
       throw NoInputError(name_ + ": is a directory; expected a file");
@@ -28,7 +27,7 @@ class FileStream : public ByteStream {
   std::size_t read(std::span<char> buffer) override {
     const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), file_.get());
     if (got == 0 && std::ferror(file_.get()) != 0) {
-      throw IoError(name_ + ": reading failed: " + std::strerror(errno));
+      throw IoError(name_ + ": reading failed: " + system_reason(errno));
     }
     return got;
   }

@@ -11,6 +11,11 @@ namespace odoless {
 /// Bytes in order, from wherever they come.
 class ByteStream {
  public:
+  ByteStream() = default;
+  ByteStream(const ByteStream&) = delete;
+  ByteStream(ByteStream&&) = delete;
+  ByteStream& operator=(const ByteStream&) = delete;
+  ByteStream& operator=(ByteStream&&) = delete;
   virtual ~ByteStream() = default;
 
   /// Fills `buffer` from its start. Returns the number of bytes, at least 1 but for the end of the stream.

@@ -6,8 +6,8 @@
 
 namespace odoless {
 namespace {
-constexpr std::size_t kChunkBytes = 64 * 1024;
-constexpr std::size_t kLineBytesMax = 1024 * 1024;
+constexpr std::size_t kChunkBytes = std::size_t{64} * 1024;
+constexpr std::size_t kLineBytesMax = std::size_t{1024} * 1024;
 }  // namespace
 
 LineReader::LineReader(std::unique_ptr<ByteStream> bytes, std::string name)
@@ -18,7 +18,8 @@ bool LineReader::refill() {
   begin_ = 0;
   const std::size_t kept = buffer_.size();
   buffer_.resize(kept + kChunkBytes);
-  const std::size_t got = bytes_->read(std::span(buffer_).subspan(kept));
+  const std::span<char> room(buffer_);
+  const std::size_t got = bytes_->read(room.subspan(kept));
   buffer_.resize(kept + got);
   return got > 0;
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "tools/command/error.hpp"
 #include "tools/log/scan_lines.hpp"
 #include "tools/log/stamp.hpp"
@@ -16,6 +18,7 @@ constexpr const char* kKnownScans =
 class LogBuilder {
  public:
   void add(std::string_view line, const LineReader& lines) {
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
     if (format_ == nullptr) {
       format_ = find_scan_format(line);
     }

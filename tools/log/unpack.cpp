@@ -1,5 +1,6 @@
 #include "tools/log/unpack.hpp"
 
+#define ZLIB_CONST  // input is const
 #include <lzma.h>
 #include <zlib.h>
 
@@ -10,8 +11,16 @@
 namespace odoless {
 namespace {
 
-constexpr std::size_t kChunkBytes = 64 * 1024;
+constexpr std::size_t kChunkBytes = std::size_t{64} * 1024;
 constexpr std::uint64_t kDecoderBytesMax = 128ULL << 20U;
+
+// Both libraries want unsigned bytes where files have characters.
+std::uint8_t* as_bytes(char* characters) {
+  return reinterpret_cast<std::uint8_t*>(characters);  // NOLINT(cppcoreguidelines-pro-type-reinterpret-cast): see above
+}
+const std::uint8_t* as_bytes(const char* characters) {
+  return reinterpret_cast<const std::uint8_t*>(characters);  // NOLINT(cppcoreguidelines-pro-type-reinterpret-cast)
+}
 
 /// The packed side that both decoders share.
 class PackedInput {
@@ -44,11 +53,13 @@ class GzipStream : public ByteStream {
     }
   }
   GzipStream(const GzipStream&) = delete;
+  GzipStream(GzipStream&&) = delete;
   GzipStream& operator=(const GzipStream&) = delete;
+  GzipStream& operator=(GzipStream&&) = delete;
   ~GzipStream() override { inflateEnd(&state_); }
 
   std::size_t read(std::span<char> buffer) override {
-    state_.next_out = reinterpret_cast<Bytef*>(buffer.data());
+    state_.next_out = as_bytes(buffer.data());
     state_.avail_out = static_cast<uInt>(buffer.size());
     while (state_.avail_out == buffer.size() && !buffer.empty()) {
       if (state_.avail_in == 0 && !refill()) {
@@ -65,7 +76,7 @@ class GzipStream : public ByteStream {
     if (chunk.empty() && inside_member_) {
       input_.fail_cut();
     }
-    state_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(chunk.data()));
+    state_.next_in = as_bytes(chunk.data());
     state_.avail_in = static_cast<uInt>(chunk.size());
     return !chunk.empty();
   }
@@ -96,11 +107,13 @@ class XzStream : public ByteStream {
     }
   }
   XzStream(const XzStream&) = delete;
+  XzStream(XzStream&&) = delete;
   XzStream& operator=(const XzStream&) = delete;
+  XzStream& operator=(XzStream&&) = delete;
   ~XzStream() override { lzma_end(&state_); }
 
   std::size_t read(std::span<char> buffer) override {
-    state_.next_out = reinterpret_cast<std::uint8_t*>(buffer.data());
+    state_.next_out = as_bytes(buffer.data());
     state_.avail_out = buffer.size();
     while (state_.avail_out == buffer.size() && !buffer.empty() && !ended_) {
       if (state_.avail_in == 0 && !input_ended_) {
@@ -114,7 +127,7 @@ class XzStream : public ByteStream {
  private:
   void refill() {
     const std::span<const char> chunk = input_.next();
-    state_.next_in = reinterpret_cast<const std::uint8_t*>(chunk.data());
+    state_.next_in = as_bytes(chunk.data());
     state_.avail_in = chunk.size();
     input_ended_ = chunk.empty();
   }

@@ -115,7 +115,7 @@ class View {
 void draw_cells(const View& view, Canvas& canvas) {
   for (int row = 0; row < view.height_px(); ++row) {
     for (int column = 0; column < view.width_px(); ++column) {
-      const int percent = view.percent({column, row});
+      const std::int8_t percent = view.percent({column, row});
       const auto grey = static_cast<std::uint8_t>(percent < 0 ? kUnknownGrey : 255 - percent * 255 / 100);
       canvas.set({column, row}, {grey, grey, grey});
     }

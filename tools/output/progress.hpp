@@ -29,7 +29,9 @@ class Progress {
   /// For tests: any output, taken for a terminal, and any clock in nanoseconds.
   Progress(std::int64_t total, std::FILE* terminal, Clock now_ns);
   Progress(const Progress&) = delete;
+  Progress(Progress&&) = delete;
   Progress& operator=(const Progress&) = delete;
+  Progress& operator=(Progress&&) = delete;
   ~Progress();
 
   /// `done` of the total are done; `note` stands behind the figures. Cheap between two redraws.

@@ -3,8 +3,7 @@
 #include <fmt/core.h>
 
 #include <cerrno>
-#include <cstdio>
-#include <cstring>
+#include <fstream>
 #include <string>
 #include <system_error>
 
@@ -18,17 +17,17 @@ std::string failure(const std::filesystem::path& path, const char* what, const s
 }
 
 void write_bytes(const std::filesystem::path& path, std::string_view bytes) {
-  std::FILE* const file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr) {
-    throw CannotCreateError(failure(path, "cannot be created", std::strerror(errno)));
+  std::ofstream file(path, std::ios::binary);
+  if (!file) {
+    throw CannotCreateError(failure(path, "cannot be created", system_reason(errno)));
   }
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() && std::fflush(file) == 0;
-  const int write_error = errno;
-  const bool closed = std::fclose(file) == 0;
-  if (!written || !closed) {
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) {
+    const int error_number = errno;
     std::error_code ignored;
     std::filesystem::remove(path, ignored);
-    throw IoError(failure(path, "writing failed", std::strerror(written ? errno : write_error)));
+    throw IoError(failure(path, "writing failed", system_reason(error_number)));
   }
 }
 

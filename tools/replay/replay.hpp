@@ -34,8 +34,8 @@ struct ReplayResult {
   double log_duration_s = 0.0;
 };
 
-/// Runs a log through the stages of the daemon on one thread. The same log, parameters and options give the same result,
-/// but for the times in `matches`.
+/// Runs a log through the stages of the daemon on one thread. The same log, parameters and options give the same
+/// result, but for the times in `matches`.
 [[nodiscard]] ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
                                   const ReplayProgress& progress);
 

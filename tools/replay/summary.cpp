@@ -39,16 +39,17 @@ nlohmann::ordered_json summarise(std::span<const MatchRow> matches, std::int64_t
   }
   std::sort(times_us.begin(), times_us.end());
   const double wall_s = meter.wall_s();
-  return {{"scans", scans},
-          {"log_duration_s", log_duration_s},
-          {"wall_s", wall_s},
-          {"cpu_s", meter.cpu_s()},
-          {"realtime_factor", wall_s > 0.0 ? log_duration_s / wall_s : 0.0},
-          {"peak_rss_bytes", ResourceMeter::peak_rss_bytes()},
-          {"match_median_us", quantile(times_us, 0.5)},
-          {"match_p99_us", quantile(times_us, 0.99)},
-          {"match_max_us", times_us.empty() ? 0.0 : times_us.back()},
-          {"poor_matches", std::count_if(matches.begin(), matches.end(), [](const MatchRow& r) { return !r.converged; })}};
+  return {
+      {"scans", scans},
+      {"log_duration_s", log_duration_s},
+      {"wall_s", wall_s},
+      {"cpu_s", meter.cpu_s()},
+      {"realtime_factor", wall_s > 0.0 ? log_duration_s / wall_s : 0.0},
+      {"peak_rss_bytes", ResourceMeter::peak_rss_bytes()},
+      {"match_median_us", quantile(times_us, 0.5)},
+      {"match_p99_us", quantile(times_us, 0.99)},
+      {"match_max_us", times_us.empty() ? 0.0 : times_us.back()},
+      {"poor_matches", std::count_if(matches.begin(), matches.end(), [](const MatchRow& r) { return !r.converged; })}};
 }
 
 }  // namespace odoless

@@ -25,7 +25,7 @@ class ResourceMeter {
 
 /// Figures that every job over a log has: scans, log_duration_s, wall_s, cpu_s, realtime_factor, peak_rss_bytes,
 /// match_median_us, match_p99_us, match_max_us, poor_matches.
-[[nodiscard]] nlohmann::ordered_json summarise(std::span<const MatchRow> matches, std::int64_t scans, double log_duration_s,
-                                               const ResourceMeter& meter);
+[[nodiscard]] nlohmann::ordered_json summarise(std::span<const MatchRow> matches, std::int64_t scans,
+                                               double log_duration_s, const ResourceMeter& meter);
 
 }  // namespace odoless

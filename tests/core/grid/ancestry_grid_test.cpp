@@ -56,11 +56,13 @@ void observe(AncestryGrid& grid, CopiedMaps& maps, int particle, Rng& rng) {
     for (int i = 0; i < 12; ++i) {
       const int x = column + static_cast<int>(rng.below(8));
       const int y = row + static_cast<int>(rng.below(8));
-      const auto distance_m = static_cast<float>(rng.uniform());
-      const float hit = rng.below(3) == 0 ? 1.0F : 0.0F;
-      for (Cell* cell : {&writer.at(x, y), &maps.at(static_cast<std::size_t>(particle), x, y)}) {
-        cell->distance_m += distance_m;
-        cell->hits += hit;
+      const std::uint32_t way_parts = rng.below(46);
+      const bool hit = rng.below(3) == 0;
+      for (Cell* cell : {&writer.at({x, y}), &maps.at(static_cast<std::size_t>(particle), x, y)}) {
+        cell->pass(way_parts);
+        if (hit) {
+          cell->hit();
+        }
       }
     }
   }
@@ -72,9 +74,7 @@ void expect_equal_maps(AncestryGrid& grid, CopiedMaps& maps, int particles) {
     for (int row = 0; row < kSide_cells; ++row) {
       for (int column = 0; column < kSide_cells; ++column) {
         const Cell& expected = maps.at(static_cast<std::size_t>(particle), column, row);
-        const Cell& cell = view.at(column, row);
-        ASSERT_EQ(cell.distance_m, expected.distance_m) << particle << " at " << column << ", " << row;
-        ASSERT_EQ(cell.hits, expected.hits);
+        ASSERT_EQ(view.at({column, row}), expected) << particle << " at " << column << ", " << row;
       }
     }
   }
@@ -127,9 +127,9 @@ TEST(AncestryGrid, KeepsOneVersionPerTileOnceAllDescendFromOneParticle) {
 TEST(AncestryGrid, IsUnknownOutsideAndCountsWhatIsWrittenThere) {
   AncestryGrid grid(small_grid(), 1);
   for (const auto& [column, row] : {std::pair{-1, 3}, {3, -1}, {1 << 30, 0}, {0, 1 << 30}, {-(1 << 30), 5}}) {
-    EXPECT_TRUE(grid.view(0).at(column, row).is_unknown());
-    grid.writer(0).at(column, row).hits += 1.0F;
-    EXPECT_TRUE(grid.view(0).at(column, row).is_unknown());
+    EXPECT_TRUE(grid.view(0).at({column, row}).is_unknown());
+    grid.writer(0).at({column, row}).hit();
+    EXPECT_TRUE(grid.view(0).at({column, row}).is_unknown());
   }
   EXPECT_EQ(grid.counters().outside_tiles, 5);
   EXPECT_EQ(grid.tiles_used(), 0);
@@ -138,26 +138,26 @@ TEST(AncestryGrid, IsUnknownOutsideAndCountsWhatIsWrittenThere) {
 TEST(AncestryGrid, RefusesAndCountsWhenThePoolIsFullAndLeavesOtherMapsAlone) {
   AncestryGrid grid(small_grid(16), 2);
   for (int i = 0; i < 16; ++i) {
-    grid.writer(0).at(16 * (i % 4), 16 * (i / 4)).hits += 1.0F;
+    grid.writer(0).at({16 * (i % 4), 16 * (i / 4)}).hit();
   }
   EXPECT_EQ(grid.counters().refused_tiles, 0);
   grid.branch(std::vector<int>{2});
-  grid.writer(1).at(0, 0).hits += 1.0F;
+  grid.writer(1).at({0, 0}).hit();
   EXPECT_EQ(grid.counters().refused_tiles, 1);
-  EXPECT_EQ(grid.view(0).at(0, 0).hits, 1.0F);
-  EXPECT_EQ(grid.view(1).at(0, 0).hits, 1.0F);
+  EXPECT_EQ(grid.view(0).at({0, 0}).hits(), 1U);
+  EXPECT_EQ(grid.view(1).at({0, 0}).hits(), 1U);
   grid.retain(std::vector<int>{0, 1});
   grid.branch(std::vector<int>{0, 1});
-  grid.writer(0).at(0, 0).hits += 1.0F;
-  EXPECT_EQ(grid.view(0).at(0, 0).hits, 2.0F);
+  grid.writer(0).at({0, 0}).hit();
+  EXPECT_EQ(grid.view(0).at({0, 0}).hits(), 2U);
 }
 
 TEST(AncestryGrid, WritesOccupancyOfTheKnownTilesWithTheirPlaceInTheMap) {
   AncestryGrid grid(small_grid(), 2);
-  grid.writer(0).at(20, 40) = {.distance_m = 0.2F, .hits = 2.0F};  // rho 0.1 m, a cell's width
-  grid.writer(0).at(21, 40) = {.distance_m = 5.0F, .hits = 0.0F};
+  grid.writer(0).at({20, 40}) = Cell(64, 2);  // rho is a cell's width
+  grid.writer(0).at({21, 40}) = Cell(1600, 0);
   grid.branch(std::vector<int>{2});
-  grid.writer(1).at(60, 60) = {.distance_m = 5.0F, .hits = 0.0F};
+  grid.writer(1).at({60, 60}) = Cell(1600, 0);
   OccupancyMap map;
   grid.write_occupancy(0, 0.01, map);
   EXPECT_EQ(map.width_cells, 16);

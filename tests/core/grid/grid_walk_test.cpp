@@ -19,7 +19,7 @@ std::vector<Visit> visits(const Point2& start, const Point2& direction, double l
   std::vector<Visit> all;
   GridWalk walk(start, direction, length_cells);
   do {
-    all.push_back({walk.column(), walk.row(), walk.enter(), walk.exit()});
+    all.push_back({walk.cell().column(), walk.cell().row(), walk.enter(), walk.exit()});
   } while (walk.next() && all.size() < 100'000);
   return all;
 }

@@ -29,10 +29,7 @@ LslamParams small_filter() {
 void expect_same_map(AncestryGrid::View view, PlainMap& plain, const GridGeometry& grid) {
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
-      const Cell& cell = view.at(column, row);
-      const Cell& expected = plain.at(column, row);
-      ASSERT_EQ(cell.distance_m, expected.distance_m) << column << ", " << row;
-      ASSERT_EQ(cell.hits, expected.hits) << column << ", " << row;
+      ASSERT_EQ(view.at({column, row}), plain.at({column, row})) << column << ", " << row;
     }
   }
 }
