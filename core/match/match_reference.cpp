@@ -31,6 +31,7 @@ Errc MatchReference::rebuild(std::span<const PlacedScan> scans) {
   thinned_.clear();
   orientations_.clear();
   wide_ready_ = false;
+  std::size_t fitting = 0;
   for (const PlacedScan& placed : scans) {
     if (points_.size() + placed.scan->returns() > points_.capacity()) {
       break;  // the newest come first: what does not fit is the oldest
@@ -38,6 +39,7 @@ Errc MatchReference::rebuild(std::span<const PlacedScan> scans) {
     append_thinned(*placed.scan, placed.reference_T_scan, 0.0, points_);
     append_thinned(*placed.scan, placed.reference_T_scan, params_.thinning_m, thinned_);
     orientations_.add(*placed.scan, placed.reference_T_scan.yaw_rad, params_.thinning_m);
+    ++fitting;
   }
   if (points_.size() < kReturns_min) {
     points_.clear();
@@ -49,7 +51,7 @@ Errc MatchReference::rebuild(std::span<const PlacedScan> scans) {
   coarse_.paint(ndt_);
   fine_.paint(ndt_);
   if (params_.free_penalty > 0.0) {
-    for (const PlacedScan& placed : scans) {
+    for (const PlacedScan& placed : scans.first(fitting)) {
       fine_.mark_free(*placed.scan, placed.reference_T_scan, params_.free_margin_m, params_.free_penalty);
     }
   }

@@ -72,7 +72,7 @@ class Ndt {
 
   Ndt(const NdtParams& params, int points_max);
 
-  /// Replaces the reference by `points`; what lies beyond `extent_m` is ignored.
+  /// Replaces the reference by `points`; what lies a cell or more beyond `extent_m` is ignored.
   void rebuild(const PointSet& points);
 
   /// Sum over `points`, moved by `reference_T_points`, of exp(-d^T S^-1 d / 2), averaged over the four grids.

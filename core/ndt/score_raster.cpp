@@ -160,24 +160,24 @@ void ScoreRaster::mark_wedge(double start_rad, double end_rad, double radius_m, 
 
 void ScoreRaster::mark_half_wedge(const HalfWedge& wedge, const Point2& apex, double mirror, double penalty) {
   const auto [start_rad, end_rad, radius_m] = wedge;
-  constexpr double kHuge = 1e6;
-  const double cot_start = start_rad > 1e-6 ? std::cos(start_rad) / std::sin(start_rad) : kHuge;
-  const double cot_end = end_rad < kPi - 1e-6 ? std::cos(end_rad) / std::sin(end_rad) : -kHuge;
+  const bool has_right_edge = start_rad > 1e-6;  // else the wedge begins along the row
+  const bool has_left_edge = end_rad < kPi - 1e-6;
+  const double cot_start = has_right_edge ? std::cos(start_rad) / std::sin(start_rad) : 0.0;
+  const double cot_end = has_left_edge ? std::cos(end_rad) / std::sin(end_rad) : 0.0;
   const bool has_top = start_rad < 0.5 * kPi && end_rad > 0.5 * kPi;
   const double height_m = radius_m * (has_top ? 1.0 : std::max(std::sin(start_rad), std::sin(end_rad)));
   const double half_px = 0.5 * side_px_;
   const double apex_row_px = apex.y_m * inverse_resolution_ + half_px - 0.5;
   const double apex_column_px = apex.x_m * inverse_resolution_ + half_px;
-  const int step = mirror > 0.0 ? 1 : -1;
-  int row = static_cast<int>(mirror > 0.0 ? std::floor(apex_row_px) + 1.0 : std::ceil(apex_row_px) - 1.0);
-  for (; row >= 0 && row < side_px_; row += step) {
+  // Rows on this side of the apex, its own among them, as far as the wedge and the raster reach.
+  const double height_px = mirror * height_m * inverse_resolution_;
+  const double lowest_px = std::max(0.0, std::min(apex_row_px, apex_row_px + height_px));
+  const double highest_px = std::min(side_px_ - 1.0, std::max(apex_row_px, apex_row_px + height_px));
+  for (int row = static_cast<int>(std::ceil(lowest_px)); row <= highest_px; ++row) {
     const double v_m = std::abs(row - apex_row_px) * params_.resolution_m;
-    if (v_m > height_m) {
-      break;
-    }
     const double reach_m = std::sqrt(std::max(0.0, radius_m * radius_m - v_m * v_m));
-    const double left_m = std::max(-reach_m, v_m * cot_end);
-    const double right_m = std::min(reach_m, v_m * cot_start);
+    const double left_m = has_left_edge ? std::max(-reach_m, v_m * cot_end) : -reach_m;
+    const double right_m = has_right_edge ? std::min(reach_m, v_m * cot_start) : reach_m;
     mark_span(row, apex_column_px + left_m * inverse_resolution_, apex_column_px + right_m * inverse_resolution_,
               penalty);
   }

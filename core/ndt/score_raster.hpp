@@ -40,7 +40,8 @@ class ScoreRaster {
   void paint(const Ndt& ndt);
 
   /// Marks what the beams of `scan` went through, up to `margin_m` before the nearest of three neighbours: such a pixel
-  /// scores n - penalty * max(0, 1 - 4 n), n being its NDT score. Beams without return say nothing.
+  /// scores n - penalty * max(0, 1 - 4 n), n being its NDT score. Beams without return say nothing, nor those that see
+  /// less than a pixel; of a scan with more than a turn, the first turn counts.
   void mark_free(const ScanFrame& scan, const Pose2& reference_T_scan, double margin_m, double penalty);
 
   /// Sum over the points (x_m[i], y_m[i]), moved by `reference_T_points`, in units of a perfect point.

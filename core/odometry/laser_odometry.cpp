@@ -104,7 +104,9 @@ void LaserOdometry::add_key(const ScanFrame& scan, const Pose2& odom_T_scan) {
   const int capacity = params_.key_scans;
   newest_key_ = (newest_key_ + 1) % capacity;
   key_count_ = std::min(key_count_ + 1, capacity);
-  keys_[static_cast<std::size_t>(newest_key_)] = {scan, odom_T_scan};
+  KeyScan& newest = keys_[static_cast<std::size_t>(newest_key_)];
+  newest.scan = scan;  // each by itself: a KeyScan in between would allocate
+  newest.odom_T_scan = odom_T_scan;
   odom_T_key_ = odom_T_scan;
   const Pose2 key_T_odom = odom_T_scan.inverse();
   for (int age = 0; age < key_count_; ++age) {  // newest first

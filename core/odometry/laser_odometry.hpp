@@ -75,6 +75,7 @@ class LaserOdometry {
  public:
   LaserOdometry(const LaserOdometryParams& params, const MatcherParams& matcher, const ScanParams& scan);
 
+  /// `scan` has been made with room for no more beams than the constructor's `scan`.
   [[nodiscard]] OdometryStep process(const ScanFrame& scan, const Deadline& deadline, Rng& rng);
 
  private:

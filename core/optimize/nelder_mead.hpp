@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "core/optimize/search_box.hpp"
 
@@ -15,8 +16,8 @@ struct ScoredPoint {
 
 /// Downhill simplex of Nelder and Mead (1965), maximising in three dimensions.
 ///
-/// Starts from `start` and three points at `size` along the axes; at most `evaluations` calls of `score(const
-/// SearchPoint&)` (a shrink, at most one step in ten, ends it up to 3 later). Real time: no allocation.
+/// Starts from `start` and three points at `size` along the axes; `evaluations` calls of `score(const
+/// SearchPoint&)`, up to 4 more where the last step needs them, and at least 3. Real time: no allocation.
 template <class Score>
 ScoredPoint nelder_mead(const ScoredPoint& start, const SearchPoint& size, int evaluations, Score&& score) {
   constexpr std::size_t kCorners = 4;

@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "core/motion/scan_matching_motion_model.hpp"
+#include "core/odometry/laser_odometry.hpp"
 #include "core/slam/lslam.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/simulated_room.hpp"
+#include "tests/support/simulated_scene.hpp"
 
 namespace odoless {
 namespace {
@@ -87,6 +89,44 @@ TEST_F(NoAllocation, MotionModelAllocatesNothing) {
     pose = model.sample(pose, {0.1, 0.0, 0.01}, 0.3, rng);
   }
   EXPECT_EQ(guard.calls(), 0);
+}
+
+TEST_F(NoAllocation, RebuildAndMatchAllocateNothingEvenWhenTheyTryAgain) {
+  const MatcherParams params;
+  MatchReference reference(params.reference, params.points_max);
+  NdtMatcher matcher(params);
+  Rng rng(1);
+  const ScanFrame here = sweep(cluttered_room(), {}, {}, rng);
+  const ScanFrame near = sweep(cluttered_room(), {}, {0.5, 0.2, 0.3}, rng);
+  const ScanFrame elsewhere = sweep(pillar_field(), {}, {}, rng);
+  const ScanFrame blind = sweep(SimulatedScene{}, {}, {}, rng);
+  const PlacedScan placed{&here, {}};
+  const AllocationGuard guard;
+  const Errc error = reference.rebuild({&placed, 1});
+  const bool easy = matcher.match(reference, near, {}, {}, rng).value().converged;
+  const bool escalated = matcher.match(reference, elsewhere, {}, {}, rng).value().escalated;
+  const bool refused = matcher.match(reference, blind, {}, {}, rng).ok();
+  EXPECT_EQ(guard.calls(), 0);
+  EXPECT_EQ(error, Errc::kOk);
+  EXPECT_TRUE(easy);
+  EXPECT_TRUE(escalated);
+  EXPECT_FALSE(refused);
+}
+
+TEST_F(NoAllocation, LaserOdometryAllocatesNothingAlsoForKeyScansAndBlindOnes) {
+  LaserOdometry odometry({.key_scans = 5}, {}, {});
+  Rng rng(1);
+  long calls = 0;
+  for (int i = 0; i < 30; ++i) {
+    const Pose2 map_T_scan{-1.0 + 0.05 * i, 0.3, 0.2 * i};
+    const ScanFrame scan =
+        sweep(i % 10 == 7 ? SimulatedScene{} : cluttered_room(), {}, map_T_scan, rng, std::int64_t{i} * 100'000'000);
+    const AllocationGuard guard;
+    const bool matched = odometry.process(scan, {}, rng).matched;
+    calls += guard.calls();
+    EXPECT_EQ(matched, i > 0 && i % 10 != 7) << i;
+  }
+  EXPECT_EQ(calls, 0);
 }
 
 TEST_F(NoAllocation, LslamUpdateAllocatesNothingEvenWithFullPools) {

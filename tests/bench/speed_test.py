@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""Runs bench_core briefly and fails if what it measures is slower than promised.
+
+usage: speed_test.py BENCH_CORE
+
+The ratio of the two scores compares medians of one run only; the seed's match is CPU time. So a busy machine, which
+slows all alike, does not fail it.
+"""
+
+import json
+import subprocess
+import sys
+
+SPEED_UP_MIN = 8.0  # points per second of the raster over those of the exact NDT
+SEED_MATCH_MAX_MS = 4.0  # CPU time of N = 100, G = 50 with the making of the reference
+
+
+def run(program):
+    command = [
+        program,
+        "--benchmark_filter=BM_NdtScore|BM_SeedMatch",
+        "--benchmark_min_time=0.2",
+        "--benchmark_repetitions=7",
+        "--benchmark_enable_random_interleaving=true",
+        "--benchmark_report_aggregates_only=true",
+        "--benchmark_format=json",
+    ]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["benchmarks"]
+
+
+def median(results, name, field):
+    found = [r[field] for r in results if r["run_name"] == name and r["aggregate_name"] == "median"]
+    if len(found) != 1:
+        raise SystemExit(f"speed_test: {len(found)} medians of {name}, expected 1")
+    return found[0]
+
+
+def main():
+    if len(sys.argv) != 2:
+        raise SystemExit(__doc__)
+    results = run(sys.argv[1])
+    plain = median(results, "BM_NdtScore/plain", "items_per_second")
+    product = median(results, "BM_NdtScore/product", "items_per_second")
+    seed_match_ms = median(results, "BM_SeedMatch", "cpu_time")
+    print(f"data: {results[0].get('label', 'unknown')}")
+    print(f"score: {plain / 1e6:.1f} and {product / 1e6:.1f} million points/s, ratio {product / plain:.1f} (at least {SPEED_UP_MIN})")
+    print(f"seed match: {seed_match_ms:.2f} ms CPU (at most {SEED_MATCH_MAX_MS})")
+    return 0 if product / plain >= SPEED_UP_MIN and seed_match_ms <= SEED_MATCH_MAX_MS else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

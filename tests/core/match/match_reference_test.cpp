@@ -1,0 +1,67 @@
+#include "core/match/match_reference.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "tests/core/match/match_support.hpp"
+
+namespace odoless {
+namespace {
+
+// Sum over a lattice of what both rasters and the exact NDT say.
+std::array<double, 3> fingerprint(const MatchReference& reference) {
+  PointSet lattice(10000);
+  for (int i = 0; i < lattice.capacity(); ++i) {
+    lattice.push_back({0.1 * (i % 100) - 5.0, 0.1 * (i / 100) - 5.0});
+  }
+  return {reference.fine().score(lattice.x_m(), lattice.y_m(), {}),
+          reference.coarse().score(lattice.x_m(), lattice.y_m(), {}), reference.exact_ndt().score(lattice, {})};
+}
+
+class MatchReferenceTest : public ::testing::Test {
+ protected:
+  Rng rng_{1};
+  SimulatedScene room_ = cluttered_room();
+  Pose2 second_pose_{1.0, 0.5, 1.0};
+  ScanFrame first_ = sweep(room_, {}, {}, rng_);
+  ScanFrame second_ = sweep(room_, {}, second_pose_, rng_);
+};
+
+TEST_F(MatchReferenceTest, RebuildingForgetsTheOldOne) {
+  MatchReference fresh({}, 1000);
+  MatchReference reused({}, 1000);
+  const PlacedScan old{&first_, {}};
+  const PlacedScan now{&second_, second_pose_};
+  ASSERT_EQ(reused.rebuild({&old, 1}), Errc::kOk);
+  ASSERT_EQ(reused.rebuild({&now, 1}), Errc::kOk);
+  ASSERT_EQ(fresh.rebuild({&now, 1}), Errc::kOk);
+  EXPECT_EQ(fingerprint(reused), fingerprint(fresh));
+}
+
+TEST_F(MatchReferenceTest, WhatDoesNotFitIsTheOldestWithAllThatItSaid) {
+  const std::array<PlacedScan, 2> both{PlacedScan{&second_, second_pose_}, PlacedScan{&first_, {}}};
+  MatchReference small({}, second_.returns() + first_.returns() - 1);
+  MatchReference newest_alone({}, 1000);
+  MatchReference large({}, 1000);
+  ASSERT_EQ(small.rebuild(both), Errc::kOk);
+  ASSERT_EQ(newest_alone.rebuild({both.data(), 1}), Errc::kOk);
+  ASSERT_EQ(large.rebuild(both), Errc::kOk);
+  EXPECT_EQ(fingerprint(small), fingerprint(newest_alone));
+  EXPECT_NE(fingerprint(large), fingerprint(newest_alone));
+}
+
+TEST_F(MatchReferenceTest, OwnPointsScoreHighInEveryForm) {
+  MatchReference reference({}, 1000);
+  const PlacedScan placed{&first_, {}};
+  ASSERT_EQ(reference.rebuild({&placed, 1}), Errc::kOk);
+  PointSet points(1000);
+  append_thinned(first_, {}, 0.0, points);
+  EXPECT_GT(reference.exact_ndt().score(points, {}) / points.size(), 0.35);
+  for (const ScoreRaster* raster : {&reference.fine(), &reference.coarse(), &reference.wide()}) {
+    EXPECT_GT(raster->score(points.x_m(), points.y_m(), {}) / points.size(), 0.3);
+  }
+}
+
+}  // namespace
+}  // namespace odoless
