@@ -82,7 +82,7 @@ Eigen::Matrix3d LaserOdometry::Deviations::covariance() const {
 }
 
 LaserOdometry::Fused LaserOdometry::fuse(const Pose2& prediction, const MatchResult& match,
-                                         const Deviations& expected) const {
+                                         const Deviations& expected) {
   Eigen::Matrix3d match_covariance = match.covariance;
   match_covariance.diagonal() +=
       Eigen::Vector3d(kMatch_sd_m * kMatch_sd_m, kMatch_sd_m * kMatch_sd_m, kMatch_sd_rad * kMatch_sd_rad);
