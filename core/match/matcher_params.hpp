@@ -42,6 +42,7 @@ struct SearchParams {
   int coarse_evaluations = 750;
   int fine_evaluations = 600;
   int coarse_every = 4;
+  bool exact = false;
   double spread_m = 0.5;
   double angle_floor = 0.02;
   int simplex_steps = 60;
@@ -57,10 +58,13 @@ struct SearchParams {
     visit.value("coarse_evaluations", self.coarse_evaluations, Range{0, 1000000}, "Evaluations on the blurred raster.");
     visit.value("fine_evaluations", self.fine_evaluations, Range{0, 1000000}, "Evaluations on the fine raster.");
     visit.value("coarse_every", self.coarse_every, Range{1, 100}, "The coarse search looks at one point in so many.");
+    visit.flag(
+        "exact", self.exact,
+        "Whether the search scores the exact NDT of all points instead of the fine raster: slower by ten times.");
     visit.value("spread_m", self.spread_m, Range{0.0, 5.0},
                 "Noise added to the better half when it replaces the worse half between the two.");
     visit.value("angle_floor", self.angle_floor, Range{0.0, 1.0},
-                "Share of the start angles that ignore the orientation histograms.");
+                "Share of the start angles that ignore the orientation histograms; 1: all are spread evenly.");
     visit.value("simplex_steps", self.simplex_steps, Range{0, 1000}, "Steps of the downhill simplex after the search.");
     visit.value("probe_m", self.probe_m, Range{0.0, 20.0},
                 "How far other peaks are sought along the weakest direction.");
@@ -107,8 +111,9 @@ struct MatcherParams {
   }
 };
 
-/// The seed's own setting (section 5.1.1, Table 4.4): N = 100 members, G = 50 generations on every beam, unthinned, no
-/// free space, no coarse step, uniform start.
+/// The method in its plainest form (sections 5.1.1 and 5.1.3 of the seed): DE/rand/1/bin with N = 100 members and G =
+/// 50 generations, spread evenly over the box, on the exact NDT score of every beam; nothing coarse, thinned, freed,
+/// refined or retried. For comparison.
 [[nodiscard]] MatcherParams seed_matcher_params();
 
 }  // namespace odoless

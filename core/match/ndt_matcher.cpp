@@ -30,8 +30,14 @@ MatcherParams seed_matcher_params() {
   params.search.start_points = 100;
   params.search.coarse_evaluations = 0;
   params.search.fine_evaluations = 5000;
+  params.search.exact = true;
   params.search.angle_floor = 1.0;
+  params.search.simplex_steps = 0;
+  params.search.probe_m = 0.0;
   params.search.de = {.population = 100, .strategy = DeStrategy::kRand1Bin};
+  params.refine_steps = 1;
+  params.score_min = 0.0;
+  params.prior_weight = 0.0;
   return params;
 }
 
@@ -72,7 +78,8 @@ Result<MatchResult> NdtMatcher::match(MatchReference& reference, const ScanFrame
   SearchOutcome outcome = search(reference, prior, deadline, rng, result);
   climb(reference, outcome, result);
   const double before = outcome.best.score;
-  probe({reference.coarse(), reference.fine(), reference.orientations(), prior}, outcome, result.weak_direction);
+  probe({reference.coarse(), reference.fine(), reference.orientations(), prior, reference.exact_ndt()}, outcome,
+        result.weak_direction);
   if (outcome.best.score > before) {
     climb(reference, outcome, result);
   }
@@ -90,13 +97,14 @@ Result<MatchResult> NdtMatcher::match(MatchReference& reference, const ScanFrame
 
 SearchOutcome NdtMatcher::search(MatchReference& reference, const MotionPrior& prior, const Deadline& deadline,
                                  Rng& rng, MatchResult& result) {
-  const SearchGround ground{reference.coarse(), reference.fine(), reference.orientations(), prior};
+  const SearchGround ground{reference.coarse(), reference.fine(), reference.orientations(), prior,
+                            reference.exact_ndt()};
   SearchOutcome first = search_.run(ground, scan_, deadline, rng);
   if (!is_poor(first) || first.stop == StopReason::kDeadline) {
     return first;
   }
   result.escalated = true;
-  const SearchGround wide{reference.wide(), reference.fine(), reference.orientations(), prior};
+  const SearchGround wide{reference.wide(), reference.fine(), reference.orientations(), prior, reference.exact_ndt()};
   SearchOutcome again = retry_.run(wide, scan_, deadline, rng);
   again.evaluations += first.evaluations;
   if (first.best.score >= again.best.score) {
@@ -107,6 +115,9 @@ SearchOutcome NdtMatcher::search(MatchReference& reference, const MotionPrior& p
 }
 
 void NdtMatcher::probe(const SearchGround& ground, SearchOutcome& outcome, Point2 direction) const {
+  if (params_.search.probe_m == 0.0) {
+    return;
+  }
   for (const double sign : {-1.0, 1.0}) {
     SearchPoint start = outcome.best.point;
     start[0] += sign * params_.search.probe_m * direction.x_m;

@@ -6,6 +6,8 @@
 namespace odoless {
 namespace {
 
+constexpr double kSpacing_min_m = 0.02;
+constexpr double kTiny = 1e-12;        // keeps every angle possible
 constexpr double kGap_spacings = 5.0;  // farther apart, two returns are not on one surface
 
 std::size_t bin_of(double angle_rad) {
@@ -17,6 +19,7 @@ std::size_t bin_of(double angle_rad) {
 }  // namespace
 
 void OrientationHistogram::add(const ScanFrame& scan, double yaw_rad, double spacing_m) {
+  spacing_m = std::max(spacing_m, kSpacing_min_m);  // nearer points have the direction of their noise
   Point2 last{};
   bool has_last = false;
   for (int i = 0; i < scan.size(); ++i) {
@@ -76,10 +79,10 @@ void AngleProposal::rebuild(const OrientationHistogram& reference, const Orienta
     cumulative_[static_cast<std::size_t>(i)] -= least;
     sum += cumulative_[static_cast<std::size_t>(i)];
   }
-  const double floor_value = floor_share * (sum > 0.0 ? sum : 1.0) / steps_ + 1e-12;
+  const double even_value = floor_share * (sum > 0.0 ? sum : 1.0) / steps_ + kTiny;
   for (int i = 1; i <= steps_; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    cumulative_[at] += cumulative_[at - 1] + floor_value;
+    cumulative_[at] = cumulative_[at - 1] + (1.0 - floor_share) * cumulative_[at] + even_value;
   }
 }
 

@@ -31,7 +31,7 @@ class OrientationHistogram {
 /// Draws angles in proportion to how well two histograms fit when one is turned by that angle.
 class AngleProposal {
  public:
-  /// Angles in centre_rad +- half_range_rad; every one keeps at least `floor_share` of an even share.
+  /// Angles in centre_rad +- half_range_rad; a share of `floor_share` is spread evenly over them.
   void rebuild(const OrientationHistogram& reference, const OrientationHistogram& scan, double centre_rad,
                double half_range_rad, double floor_share);
   /// Offset from the centre for a fraction in [0, 1] of the probability.

@@ -33,10 +33,13 @@ struct PoseSearch::Objective {
   const PointSet& points;
   const MotionPrior& prior;
   int& evaluations;
+  const Ndt* exact_ndt = nullptr;  // in place of the raster
 
   double operator()(const SearchPoint& pose) const {
     ++evaluations;
-    return raster.score(points.x_m(), points.y_m(), to_pose(pose)) / points.size() - prior.penalty(pose);
+    const double sum = exact_ndt != nullptr ? exact_ndt->score(points, to_pose(pose))
+                                            : raster.score(points.x_m(), points.y_m(), to_pose(pose));
+    return sum / points.size() - prior.penalty(pose);
   }
 };
 
@@ -51,19 +54,19 @@ ScoredPoint PoseSearch::climb(const SearchGround& ground, const PointSet& points
   return nelder_mead({start, fine(start)}, kSimplexSize, steps, fine);
 }
 
-void PoseSearch::start(const Objective& coarse, const SearchGround& ground, const SearchedScan& scan) {
+void PoseSearch::start(const Objective& objective, const SearchGround& ground, const SearchedScan& scan) {
   const SearchPoint centre = to_search_point(ground.prior.reference_T_scan);
   angles_.rebuild(ground.reference_orientations, scan.orientations, centre[2], params_.box_rotation_rad,
                   params_.angle_floor);
   const SearchBox box{centre, {params_.box_translation_m, params_.box_translation_m, params_.box_rotation_rad}};
   evolution_.begin(box);
-  evolution_.offer(centre, coarse(centre));
+  evolution_.offer(centre, objective(centre));
   for (int i = 1; i < params_.start_points; ++i) {
     const SearchPoint fractions = halton(i);
     SearchPoint pose = box.at(fractions);
     pose[2] = centre[2] + angles_.offset_rad(fractions[2]);
     box.reflect(pose);
-    evolution_.offer(pose, coarse(pose));
+    evolution_.offer(pose, objective(pose));
   }
 }
 
@@ -108,10 +111,15 @@ SearchOutcome PoseSearch::run(const SearchGround& ground, const SearchedScan& sc
     subset_.push_back(scan.points[i]);
   }
   const Objective coarse{ground.coarse, subset_, ground.prior, outcome.evaluations};
-  const Objective fine{ground.fine, scan.points, ground.prior, outcome.evaluations};
-  start(coarse, ground, scan);
-  outcome.stop = evolution_.evolve(coarse, params_.coarse_evaluations, deadline, rng);
-  cross_over_to(fine, rng);
+  const Objective fine{ground.fine, scan.points, ground.prior, outcome.evaluations,
+                       params_.exact ? &ground.exact_ndt : nullptr};
+  if (params_.coarse_evaluations > 0) {
+    start(coarse, ground, scan);
+    outcome.stop = evolution_.evolve(coarse, params_.coarse_evaluations, deadline, rng);
+    cross_over_to(fine, rng);
+  } else {
+    start(fine, ground, scan);
+  }
   if (outcome.stop == StopReason::kBudget) {
     outcome.stop = evolution_.evolve(fine, params_.fine_evaluations, deadline, rng);
   }

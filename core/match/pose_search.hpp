@@ -6,6 +6,7 @@
 #include "core/base/rng.hpp"
 #include "core/match/matcher_params.hpp"
 #include "core/match/orientation_histogram.hpp"
+#include "core/ndt/ndt.hpp"
 #include "core/ndt/score_raster.hpp"
 #include "core/optimize/differential_evolution.hpp"
 #include "core/optimize/nelder_mead.hpp"
@@ -30,6 +31,7 @@ struct SearchGround {
   const ScoreRaster& fine;
   const OrientationHistogram& reference_orientations;
   const MotionPrior& prior;
+  const Ndt& exact_ndt;  ///< for `SearchParams::exact`
 };
 
 /// What is searched for: a scan, in its own frame.
@@ -64,7 +66,7 @@ class PoseSearch {
 
  private:
   struct Objective;
-  void start(const Objective& coarse, const SearchGround& ground, const SearchedScan& scan);
+  void start(const Objective& objective, const SearchGround& ground, const SearchedScan& scan);
   void cross_over_to(const Objective& fine, Rng& rng);
   [[nodiscard]] std::optional<ScoredPoint> second_peak(const Objective& fine, const ScoredPoint& best);
 

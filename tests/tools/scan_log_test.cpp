@@ -125,7 +125,8 @@ TEST(ScanLog, KeepsStampsThatGoBackwards) {
 
 TEST(ScanLog, NamesTheLineAndWhatIsWrong) {
   const std::string good = flaser(3);
-  EXPECT_THAT(error_of(good + "FLASER 3 1 2 0 0 0 0 0 0 13 host 1\n"), HasSubstr("test.log:2: "));
+  EXPECT_THAT(error_of(good + "FLASER 3 1 2 0 0 0 0 0 0 13 host 1\n"),
+              HasSubstr("test.log:2: 13 fields do not fit 3 ranges"));
   EXPECT_THAT(error_of(good + "FLASER 3 1 2 x 0 0 0 0 0 0 13 host 1\n"), HasSubstr("field 5 is 'x'"));
   EXPECT_THAT(error_of(good + "FLASER 3 1 2 3 0 0 0 0 0 0 soon host 1\n"), HasSubstr("a time stamp in seconds"));
   EXPECT_THAT(error_of(good + "FLASER 3 1 2 3 0 0 0 0 0 y 13 host 1\n"), HasSubstr("field 11 is 'y'"));

@@ -174,8 +174,17 @@ void add_config(CLI::App& app) {
   config->add_subcommand("reference", "Every key with its default, range and meaning, as Markdown")->callback([] {
     fmt::print("{}", write_reference(RobotParams{}));
   });
-  config->add_subcommand("defaults", "A configuration file that says what is built in")->callback([] {
-    fmt::print("{}", write_toml(RobotParams{}));
+  const auto preset = std::make_shared<std::string>("default");
+  CLI::App* const defaults = config->add_subcommand("defaults", "A configuration file that says what is built in");
+  defaults->add_option("--preset", *preset, "default, or seed: plain Differential Evolution with N = 100 and G = 50")
+      ->check(CLI::IsMember({"default", "seed"}))
+      ->capture_default_str();
+  defaults->callback([preset] {
+    RobotParams params;
+    if (*preset == "seed") {
+      params.matcher = seed_matcher_params();
+    }
+    fmt::print("{}", write_toml(params));
   });
 }
 

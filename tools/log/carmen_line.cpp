@@ -42,9 +42,9 @@ void check_numbers(const Fields& fields, std::size_t begin, std::size_t end, con
   fields.fail(fmt::format("{} fields do not fit {} ranges", fields.size(), ranges), layout);
 }
 
-/// A count that the line itself bounds, at least 1.
+/// At least 1.
 std::size_t range_count(const Fields& fields, std::size_t index) {
-  const std::size_t ranges = fields.count(index, fields.size(), "the number of ranges");
+  const std::size_t ranges = fields.count(index, Fields::kRangesMax, "the number of ranges");
   if (ranges == 0) {
     fields.fail("the message has no ranges", "at least 1");
   }
@@ -79,7 +79,7 @@ CarmenLine lay_out_robotlaser(const Fields& fields) {
     fail_counts(fields, line.ranges, kRobotLaserLayout);
   }
   line.laser_pose_begin =
-      remission_count + 1 + fields.count(remission_count, fields.size(), "the number of remissions");
+      remission_count + 1 + fields.count(remission_count, Fields::kRangesMax, "the number of remissions");
   line.stamp = line.laser_pose_begin + kTailNumbers;
   if (fields.size() != *line.stamp + kStampFields) {
     fail_counts(fields, line.ranges, kRobotLaserLayout);

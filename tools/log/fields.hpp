@@ -13,6 +13,9 @@ namespace odoless {
 /// what it should be. Fields are counted from 0 here, from 1 in messages.
 class Fields {
  public:
+  /// More ranges than a line of the greatest length can hold.
+  static constexpr std::size_t kRangesMax = 1'000'000;
+
   /// Splits the line that `reader` has just given.
   /// @param separator  A space stands for any run of spaces and tabs; any other character separates exactly.
   void split(std::string_view line, const LineReader& reader, char separator = ' ');

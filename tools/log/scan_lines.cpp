@@ -54,7 +54,7 @@ LineScan parse_robotlaser(const Fields& fields) { return make(fields, lay_out_ro
 
 LineScan parse_dpslam(const Fields& fields) {
   fields.require(3, kDpSlamLayout);
-  CarmenLine line{.ranges_begin = 2, .ranges = fields.count(1, fields.size(), "the number of ranges")};
+  CarmenLine line{.ranges_begin = 2, .ranges = fields.count(1, Fields::kRangesMax, "the number of ranges")};
   if (line.ranges == 0 || fields.size() != line.ranges_begin + line.ranges) {
     fields.fail(fmt::format("{} fields do not fit {} ranges", fields.size(), line.ranges), kDpSlamLayout);
   }
@@ -67,7 +67,7 @@ LineScan parse_dpslam(const Fields& fields) {
 LineScan parse_csv(const Fields& fields) {
   fields.require(kCsvHead + 1, kCsvLayout);
   CarmenLine line{.ranges_begin = kCsvHead,
-                  .ranges = fields.count(kCsvHead - 1, fields.size(), "the number of ranges")};
+                  .ranges = fields.count(kCsvHead - 1, Fields::kRangesMax, "the number of ranges")};
   const std::size_t end = kCsvHead + line.ranges;
   if (line.ranges == 0 || (fields.size() != end && fields.size() != end + 1)) {
     fields.fail(fmt::format("{} fields do not fit {} ranges", fields.size(), line.ranges), kCsvLayout);
