@@ -93,8 +93,8 @@ TEST(RecordedMaps, OfFr079CloseTheirLoopsFasterThanRecordedInLittleMemory) {
   EXPECT_LT(ResourceMeter::peak_rss_bytes(), 300'000'000);
 }
 
-// Fast turns, a hole of 3 s and long corridors. The mean of its translation depends on what the corridors do to the one loop
-// that they make; the rest must hold.
+// Fast turns, a hole of 3 s and long corridors. The mean of its translation depends on what the corridors do to the one
+// loop that they make; the rest must hold.
 TEST(RecordedMaps, OfAcesKeepTheirHeadingThroughFastTurns) {
   ODOLESS_DATA_FILE(log, "aces.clf.xz");
   ODOLESS_DATA_FILE(relations, "aces.relations.xz");
