@@ -9,10 +9,10 @@ namespace odoless {
 /// into another tile one comparison (BM_GridWalk, BM_LslamUpdate). Each may be -2^30 .. 2^30 - 1.
 class GridCell {
  public:
-  constexpr GridCell(int column, int row) : packed_(half(row + kBias) << kRowShift | half(column + kBias)) {}
+  constexpr GridCell(int column, int row) : packed_(biased(row) << kRowShift | biased(column)) {}
 
-  [[nodiscard]] constexpr int column() const { return static_cast<int>(static_cast<std::uint32_t>(packed_)) - kBias; }
-  [[nodiscard]] constexpr int row() const { return static_cast<int>(packed_ >> kRowShift) - kBias; }
+  [[nodiscard]] constexpr int column() const { return unbiased(packed_); }
+  [[nodiscard]] constexpr int row() const { return unbiased(packed_ >> kRowShift); }
 
   /// What to add to step by one column or row.
   [[nodiscard]] static constexpr std::uint64_t step(int columns, int rows) {
@@ -35,9 +35,13 @@ class GridCell {
 
  private:
   static constexpr int kRowShift = 32;
-  static constexpr int kBias = 1 << 30;  // a multiple of every tile's side; keeps both halves positive
+  static constexpr std::uint32_t kBias = 1U << 30U;  // a multiple of every tile's side; keeps both halves positive
 
-  static constexpr std::uint64_t half(int biased) { return static_cast<std::uint32_t>(biased); }
+  // Unsigned, which wraps around where a signed sum would be undefined.
+  static constexpr std::uint64_t biased(int coordinate) { return static_cast<std::uint32_t>(coordinate) + kBias; }
+  static constexpr int unbiased(std::uint64_t half) {
+    return static_cast<int>(static_cast<std::uint32_t>(half) - kBias);
+  }
 
   std::uint64_t packed_;
 };
