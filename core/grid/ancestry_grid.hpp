@@ -163,7 +163,7 @@ class AncestryGrid::View {
     if (cell.tile<kTileBits>() != tile_) {
       enter(cell);
     }
-    return cells_[cell.index_in_tile16()];
+    return cells_[cell.index_in_tile<kTileBits>()];
   }
 
  private:
@@ -186,7 +186,7 @@ class AncestryGrid::Writer {
     if (cell.tile<kTileBits>() != tile_) {
       enter(cell);
     }
-    return cells_[cell.index_in_tile16()];
+    return cells_[cell.index_in_tile<kTileBits>()];
   }
 
  private:

@@ -6,7 +6,7 @@
 namespace odoless {
 
 /// Column and row of a cell in one number, so that a step along a beam is one addition and the question whether it led
-/// into another tile one comparison (BM_GridWalk, BM_LslamUpdate). Each may be -2^30 .. 2^30.
+/// into another tile one comparison (BM_GridWalk, BM_LslamUpdate). Each may be -2^30 .. 2^30 - 1.
 class GridCell {
  public:
   constexpr GridCell(int column, int row) : packed_(half(row + kBias) << kRowShift | half(column + kBias)) {}
@@ -26,11 +26,11 @@ class GridCell {
     constexpr std::uint64_t kHalf = ~std::uint64_t{0} >> kRowShift << k & (~std::uint64_t{0} >> kRowShift);
     return packed_ & (kHalf << kRowShift | kHalf);
   }
-  /// Index of the cell within a tile of 16 x 16, in blocks of 4 x 4: a cache line of cells of four bytes is one block,
-  /// which a beam crosses in whichever direction.
-  [[nodiscard]] constexpr std::size_t index_in_tile16() const {
-    return (packed_ & 3U) | ((packed_ >> (kRowShift - 2)) & 0x0CU) | ((packed_ & 0x0CU) << 2U) |
-           ((packed_ >> (kRowShift - 4)) & 0xC0U);
+  /// Index of the cell within that tile, row by row.
+  template <int k>
+  [[nodiscard]] constexpr std::size_t index_in_tile() const {
+    constexpr std::uint64_t kInside = (std::uint64_t{1} << k) - 1;
+    return (packed_ & kInside) | ((packed_ >> (kRowShift - k)) & (kInside << k));
   }
 
  private:

@@ -1,6 +1,6 @@
 #include "core/odometry/laser_odometry.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -82,7 +82,7 @@ Eigen::Matrix3d LaserOdometry::Deviations::covariance() const {
 }
 
 LaserOdometry::Fused LaserOdometry::fuse(const Pose2& prediction, const MatchResult& match,
-                                         const Deviations& expected) const {
+                                         const Deviations& expected) {
   Eigen::Matrix3d match_covariance = match.covariance;
   match_covariance.diagonal() +=
       Eigen::Vector3d(kMatch_sd_m * kMatch_sd_m, kMatch_sd_m * kMatch_sd_m, kMatch_sd_rad * kMatch_sd_rad);
@@ -90,13 +90,14 @@ LaserOdometry::Fused LaserOdometry::fuse(const Pose2& prediction, const MatchRes
     return {match.reference_T_scan, match_covariance};
   }
   const Eigen::Matrix3d prior = expected.covariance();
-  const Eigen::Matrix3d gain = prior * (prior + match_covariance).inverse();
+  const Eigen::Matrix3d gain = (prior + match_covariance).ldlt().solve(prior).transpose();
+  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain;
   const Eigen::Vector3d difference(match.reference_T_scan.x_m - prediction.x_m,
                                    match.reference_T_scan.y_m - prediction.y_m,
                                    wrap_angle(match.reference_T_scan.yaw_rad - prediction.yaw_rad));
   const Eigen::Vector3d moved = gain * difference;
   return {{prediction.x_m + moved.x(), prediction.y_m + moved.y(), wrap_angle(prediction.yaw_rad + moved.z())},
-          prior - gain * prior};
+          rest * prior * rest.transpose() + gain * match_covariance * gain.transpose()};  // Joseph: never negative
 }
 
 void LaserOdometry::add_key(const ScanFrame& scan, const Pose2& odom_T_scan) {

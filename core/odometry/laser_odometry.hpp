@@ -95,7 +95,7 @@ class LaserOdometry {
   [[nodiscard]] Pose2 predict(double period_s) const;
   [[nodiscard]] Deviations deviations(double period_s) const;
   /// The match where the scene holds it, the prediction where it does not.
-  [[nodiscard]] Fused fuse(const Pose2& prediction, const MatchResult& match, const Deviations& expected) const;
+  [[nodiscard]] static Fused fuse(const Pose2& prediction, const MatchResult& match, const Deviations& expected);
   void remember(const OdometryStep& step, double period_s);
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
 

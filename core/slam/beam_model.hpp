@@ -98,7 +98,7 @@ class BeamModel {
 
  private:
   static constexpr float kSigmas = 3.0F;
-  static constexpr float kOpaque = 12.0F;  ///< P(reach) < 1e-5: what lies behind does not count
+  static constexpr float kOpaque = 6.0F;  ///< P(reach) < 0.0025: what lies behind does not count
 
   [[nodiscard]] float stops_per_cell(const Cell& cell) const {
     return cell.is_unknown() ? unknown_stops_per_cell_ : cell.stops_per_cell(rho_min_parts_);

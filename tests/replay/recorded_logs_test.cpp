@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 #include <string>
 
@@ -90,6 +91,19 @@ TEST(RecordedMaps, OfFr079CloseTheirLoopsFasterThanRecordedInLittleMemory) {
   EXPECT_LE(to_deg(errors.errors.rotation_rad.mean), 1.5);
   EXPECT_GE(result.log_duration_s / cpu_s, 5.0);
   EXPECT_LT(ResourceMeter::peak_rss_bytes(), 300'000'000);
+}
+
+// Fast turns, a hole of 3 s and long corridors. The mean of its translation depends on what the corridors do to the one
+// loop that they make; the rest must hold.
+TEST(RecordedMaps, OfAcesKeepTheirHeadingThroughFastTurns) {
+  ODOLESS_DATA_FILE(log, "aces.clf.xz");
+  ODOLESS_DATA_FILE(relations, "aces.relations.xz");
+  const ReplayResult result = replay(read_scan_log(log), RobotParams{}, {}, kQuiet);
+  EXPECT_TRUE(std::all_of(result.trajectory.begin(), result.trajectory.end(),
+                          [](const StampedPose& p) { return std::isfinite(p.map_T_scan.distance_m({})); }));
+  const RelationsResult errors = evaluate_relations(read_relations(relations), as_reference(result.trajectory), {});
+  EXPECT_LE(errors.errors.translation_m.median, 0.05) << report(errors).text;
+  EXPECT_LE(to_deg(errors.errors.rotation_rad.mean), 1.5);
 }
 
 // Doubled or smeared walls make a map blacker than it should be: the handheld demo walks about in one room of 3 by 5 m,
