@@ -101,7 +101,7 @@ struct MatcherParams {
                 "A match whose mean score per point is below is poor: it is retried, and not called converged unless "
                 "that helps.");
     visit.value("prior_weight", self.prior_weight, Range{0.0, 1.0},
-                "How much more a pose far from the expected one must score to win over a near one.");
+                "How much a pose loses beyond the expected deviations, times the logarithm of their squares.");
     visit.value("speed_sd_mps", self.speed_sd_mps, Range{0.0, 100.0},
                 "Speed that a pair of scans alone may well show; 0: any.");
     visit.value("turn_rate_sd_radps", self.turn_rate_sd_radps, Range{0.0, 100.0},

@@ -14,8 +14,9 @@
 
 namespace odoless {
 
-/// Where the scan is expected, and how firmly. The box is centred there; a pose far from it, in deviations, must score
-/// up to `weight` more than a near one to win.
+/// Where the scan is expected, and how firmly. The box is centred there. Within one deviation every pose is as good;
+/// beyond, a pose must score more to win: `weight` times the logarithm of its squared deviations, as a heavy-tailed law
+/// has it.
 struct MotionPrior {
   Pose2 reference_T_scan{};
   double sd_m = 0.0;  ///< 0: no expectation within the box
