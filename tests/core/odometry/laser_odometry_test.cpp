@@ -72,6 +72,26 @@ TEST(LaserOdometry, TracksStraightLegsAndFastTurns) {
   EXPECT_LT(composed.distance_m(drive.estimate()), 1e-9) << "the increments are the track";
 }
 
+// A hall of 40 m with boxes along its walls, of which the laser sees a part.
+SimulatedScene hall() {
+  SimulatedScene scene;
+  Rng rng(9);
+  scene.add_box({15.0, 0.0, 0.0}, 40.0, 5.0);
+  for (int i = 0; i < 40; ++i) {
+    scene.add_box({i - 4.0, i % 2 == 0 ? 2.0 : -2.0, rng.uniform(-1.5, 1.5)}, rng.uniform(0.2, 0.8), 0.3);
+  }
+  return scene;
+}
+
+TEST(LaserOdometry, TracksOnWhenNothingOfTheStartIsInSight) {
+  Drive drive(hall(), {}, {.range_max_m = 5.0});
+  for (int i = 0; i < 200; ++i) {
+    drive.step({0.1, 0.0, 0.02 * std::cos(0.1 * i)});
+  }
+  EXPECT_GT(drive.truth().x_m, 15.0);
+  drive.expect_on_track(0.1, 0.5 * kRadPerDeg);
+}
+
 TEST(LaserOdometry, FirstScanIsTheOrigin) {
   const Drive drive(cluttered_room(), {0.5, 0.5, 2.0});
   EXPECT_FALSE(drive.last().matched);
