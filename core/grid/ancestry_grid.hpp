@@ -19,7 +19,7 @@ struct AncestryGridParams {
   double resolution_m = 0.05;
   double width_m = 100.0;
   double height_m = 100.0;
-  int tiles_max = 32768;
+  int tiles_max = 65536;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -37,7 +37,7 @@ struct AncestryGridParams {
 /// The grid is cut into tiles of 16 x 16 cells. A tile holds one version for each node of the particles' ancestry that
 /// observed something in it; a version is cumulative: it begins as a copy of the nearest ancestor's and goes on from
 /// there, so a particle sees a tile as its nearest ancestor left it. DP-SLAM keeps such versions per cell; per tile
-/// the same maps come at a quarter of the look-ups and without a list entry per cell.
+/// the maps are the same, with one look-up for all cells that a beam crosses in a tile and no list entry per cell.
 ///
 /// To answer "which version does this particle see" at once, the first look at a tile after the family changed writes
 /// the answer down for all leaves; this costs time in the order of the particles per tile, whatever the lineage's
