@@ -8,7 +8,7 @@
 namespace odoless {
 
 struct BeamModelParams {
-  double sigma_m = 0.1;
+  double sigma_m = 0.05;
   double floor = 0.1;
   double unknown_rho_m = 8.0;
   double rho_min_m = 0.02;

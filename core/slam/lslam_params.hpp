@@ -11,7 +11,7 @@ namespace odoless {
 struct LslamParams {
   int particles = 100;
   int beams_used = 60;
-  double tempering = 0.2;
+  double tempering = 0.5;
   double resample_below = 0.5;
   int refine_steps = 0;
   double refine_step_m = 0.05;
