@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace odoless {
+
+/// The daemon's state, best last but one: what a robot may do with its pose.
+enum class HealthState : std::int8_t {
+  kInit = 0,      ///< no pose yet
+  kOk = 1,        ///< poses can be used
+  kDegraded = 2,  ///< poses can be used with care; the reasons say what is wrong
+  kLost = 3,      ///< the pose in the map is not known
+  kFault = 4,     ///< there are no new poses
+};
+
+/// Why a state is not OK; bits.
+enum HealthReason : std::uint32_t {
+  kReasonNoScans = 1U << 0,         ///< the laser is silent
+  kReasonDeviceClosed = 1U << 1,    ///< it cannot be opened
+  kReasonBadScans = 1U << 2,        ///< its scans are refused
+  kReasonBlind = 1U << 3,           ///< too few beams see anything
+  kReasonStuck = 1U << 4,           ///< the same scan again and again
+  kReasonPoorMatch = 1U << 5,       ///< scans do not fit to each other
+  kReasonWeakDirection = 1U << 6,   ///< the scene does not say how far the robot went along one direction
+  kReasonDiverged = 1U << 7,        ///< the scans do not fit to the map
+  kReasonOverload = 1U << 8,        ///< scans or records are dropped
+  kReasonDeadlineMissed = 1U << 9,  ///< a stage took longer than its budget
+  kReasonNotRealTime = 1U << 10,    ///< real-time scheduling or locked memory was refused
+  kReasonStorage = 1U << 11,        ///< a file cannot be written
+  kReasonMapFull = 1U << 12,        ///< a pool of the map is full, or the robot has left the grid
+  kReasonPublishing = 1U << 13,     ///< LCM refuses datagrams
+  kReasonStageSilent = 1U << 14,    ///< a stage does not answer
+  kReasonDatagramsLost = 1U << 15,  ///< the other half of the pipeline was not heard for a while
+  kReasonPaused = 1U << 16,         ///< somebody asked for a pause of mapping
+};
+
+/// The scan source since start. Rates and ages are taken at the time of the report.
+struct SourceHealth {
+  double age_s = 0.0;
+  double rate_hz = 0.0;
+  std::int64_t accepted = 0;
+  std::int64_t rejected = 0;  ///< malformed, or refused by the scan frame
+  std::int64_t late = 0;
+  std::int64_t duplicate = 0;  ///< a stamp that was there before
+  std::int64_t out_of_order = 0;
+  std::int64_t resyncs = 0;  ///< bytes were skipped to find the next frame
+  std::int64_t dropped = 0;  ///< evicted because the matcher was busy
+  std::int64_t reconnects = 0;
+  std::int64_t datagrams_lost = 0;
+};
+
+/// CPU time of a stage per scan since start.
+struct StageHealth {
+  std::int64_t scans = 0;
+  double p50_ms = 0.0;
+  double p99_ms = 0.0;
+  double max_ms = 0.0;
+  std::int64_t deadline_misses = 0;
+};
+
+enum Stage : int { kSensorStage = 0, kMatcherStage = 1, kFilterStage = 2, kStages = 3 };
+
+/// The health message's content; `firmware/messages/health_t.lcm` is the same on the wire.
+struct HealthReport {
+  std::int64_t stamp_ns = 0;
+  HealthState state = HealthState::kInit;
+  std::uint32_t reasons = 0;          ///< now; of HealthReason
+  std::uint32_t latched_reasons = 0;  ///< since start
+  SourceHealth lrf;
+  double fitness = 0.0;
+  double second_peak_ratio = 0.0;
+  std::array<double, 2> information_1_m2{};
+  std::int32_t evaluations = 0;
+  bool deadline_hit = false;
+  double effective_particles = 0.0;
+  std::int32_t particles = 0;
+  double position_sd_m = 0.0;
+  double yaw_sd_rad = 0.0;
+  std::array<StageHealth, kStages> stages{};
+  std::int64_t page_faults = 0;  ///< of the real-time threads since READY
+  std::int64_t allocations = 0;  ///< of the real-time threads since READY; -1: nobody counts
+  std::int32_t scan_queue_high_water = 0;
+  std::int32_t motion_queue_high_water = 0;
+  double map_pool_used = 0.0;        ///< share of the map's pool in use, 0 to 1
+  std::int64_t records_dropped = 0;  ///< between the real-time threads and the publisher
+  std::int64_t publish_errors = 0;
+  double checkpoint_age_s = -1.0;  ///< -1: there is none
+  std::int32_t storage_error = 0;  ///< errno of the last failure, 0: none
+};
+
+}  // namespace odoless

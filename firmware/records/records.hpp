@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "core/geometry/pose2.hpp"
+
+namespace odoless {
+
+/// What the real-time stages tell the outside. All are trivially copyable and of fixed size, so that they can be copied
+/// through a ring without a heap call; those with beams, bytes or cells are followed by them in the ring.
+///
+/// Stamps are those of scans: whole microseconds in nanoseconds, on the monotonic clock with its origin moved once, at
+/// start, to the Unix epoch. LCM's utime is stamp_ns / 1000.
+
+enum class RecordType : std::uint32_t { kScan = 1, kRawBytes, kMotion, kPose, kMapTile, kEvent };
+
+/// A scan as the device gave it. Followed by `beams` floats: range in metres; infinity: no return; 0: nothing is known.
+struct ScanRecord {
+  std::int64_t stamp_ns = 0;
+  double start_angle_rad = 0.0;  ///< exact in single precision, as is the step
+  double angle_step_rad = 0.0;
+  std::int32_t beams = 0;
+};
+
+/// Bytes as they were on the wire. Followed by `size_bytes` bytes.
+struct RawBytesRecord {
+  std::int64_t stamp_ns = 0;  ///< of the last byte's arrival or departure
+  std::int32_t size_bytes = 0;
+  std::int32_t to_device = 0;  ///< 1: sent, 0: received
+};
+
+/// What a match found: motion since the scan before.
+struct MotionRecord {
+  std::int64_t from_stamp_ns = 0;
+  std::int64_t to_stamp_ns = 0;
+  Pose2 previous_T_current{};
+  Pose2 odom_T_scan{};                       ///< sum of all motions; a reader that missed some composes with it
+  std::array<double, 9> covariance{};        ///< of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes
+  std::array<double, 2> information_1_m2{};  ///< strongest and weakest direction's curvature of the fitness
+  double fitness = 0.0;
+  double second_peak_ratio = 0.0;  ///< 0: none
+  std::int32_t evaluations = 0;
+  std::int32_t flags = 0;  ///< of MotionFlag
+};
+
+enum MotionFlag : std::int32_t { kMatched = 1, kConverged = 2, kEscalated = 4, kDeadlineHit = 8 };
+
+/// Where the scan is in the map, as known now.
+struct PoseRecord {
+  std::int64_t stamp_ns = 0;
+  Pose2 map_T_scan{};
+  Pose2 map_T_odom{};
+  std::array<double, 9> covariance{};  ///< of map_T_scan over (x_m, y_m, yaw_rad), map axes
+  std::int64_t update_stamp_ns = 0;    ///< of the filter update that the pose hangs on
+  Pose2 update_T_scan{};
+  double effective_particles = 0.0;
+  double log_likelihood_per_beam = 0.0;
+  std::int32_t particles = 0;
+  std::int32_t updated = 0;  ///< 1: this scan was an update
+};
+
+/// A square piece of the map. Followed by size_cells * size_cells bytes, row by row from the lowest y: occupancy in
+/// percent, 255 unknown.
+struct MapTileRecord {
+  std::int64_t stamp_ns = 0;
+  std::int32_t column = 0;  ///< the tile's lower-left corner is at (column, row) * size_cells * cell_size_m, map frame
+  std::int32_t row = 0;
+  std::int32_t size_cells = 0;
+  double cell_size_m = 0.0;
+};
+
+}  // namespace odoless
