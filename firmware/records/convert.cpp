@@ -1,0 +1,43 @@
+#include "firmware/records/convert.hpp"
+
+namespace odoless {
+namespace {
+
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+}  // namespace
+
+MotionRecord to_record(const OdometryStep& step) {
+  MotionRecord record;
+  record.from_stamp_ns = step.from_stamp_ns;
+  record.to_stamp_ns = step.to_stamp_ns;
+  record.previous_T_current = step.previous_T_current;
+  record.odom_T_scan = step.odom_T_scan;
+  Eigen::Map<RowMajor3>(record.covariance.data()) = step.covariance;
+  record.information_1_m2[1] = step.match.weak_information_1_m2;
+  record.fitness = step.match.fitness;
+  record.second_peak_ratio = step.match.second_peak ? step.match.second_peak->score_ratio : 0.0;
+  record.evaluations = step.match.evaluations;
+  record.flags = (step.matched ? kMatched : 0) | (step.match.converged ? kConverged : 0) |
+                 (step.match.escalated ? kEscalated : 0) |
+                 (step.match.stop == StopReason::kDeadline ? kDeadlineHit : 0);
+  return record;
+}
+
+OdometryStep to_step(const MotionRecord& record) {
+  OdometryStep step;
+  step.from_stamp_ns = record.from_stamp_ns;
+  step.to_stamp_ns = record.to_stamp_ns;
+  step.previous_T_current = record.previous_T_current;
+  step.odom_T_scan = record.odom_T_scan;
+  step.covariance = Eigen::Map<const RowMajor3>(record.covariance.data());
+  step.matched = (record.flags & kMatched) != 0;
+  step.match.fitness = record.fitness;
+  step.match.converged = (record.flags & kConverged) != 0;
+  step.match.escalated = (record.flags & kEscalated) != 0;
+  step.match.evaluations = record.evaluations;
+  step.match.weak_information_1_m2 = record.information_1_m2[1];
+  return step;
+}
+
+}  // namespace odoless

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/base/result.hpp"
+#include "core/scan/scan_frame.hpp"
+#include "firmware/pipeline/messages.hpp"
+
+namespace odoless {
+
+/// Takes what a source has found, in order. Real time: called on the sensor thread.
+class ScanSink {
+ public:
+  virtual void on_scan(const RawScan& scan) = 0;
+  /// Bytes as they were on the wire.
+  virtual void on_raw(std::span<const std::byte> bytes, bool to_device) = 0;
+  /// Something for the log, as in EventRing.
+  virtual void on_event(int priority, const char* format, double value = 0.0) = 0;
+
+ protected:
+  ~ScanSink() = default;
+};
+
+/// Where scans come from: a laser, an LCM channel, a recorded log. The sensor thread waits for its descriptor or its
+/// deadline and then lets it work.
+///
+/// Thread: the sensor thread. Real time: no allocation, no lock; `work` may read and write its descriptor and no more.
+class ScanSource {
+ public:
+  ScanSource() = default;
+  ScanSource(const ScanSource&) = delete;
+  ScanSource& operator=(const ScanSource&) = delete;
+  virtual ~ScanSource() = default;
+
+  /// To be waited for; -1: none now.
+  [[nodiscard]] virtual int descriptor() const = 0;
+  /// When `work` is to be called although nothing came.
+  [[nodiscard]] virtual std::int64_t next_deadline_ns() const = 0;
+  virtual void work(std::int64_t now_ns, ScanSink& sink) = 0;
+
+  /// Whether scans can come: the device is open, the socket joined.
+  [[nodiscard]] virtual bool is_open() const = 0;
+  /// Whether scans bear the time of now, so that late ones can be told.
+  [[nodiscard]] virtual bool is_live() const { return true; }
+  /// No scan will come any more: a recorded log is at its end.
+  [[nodiscard]] virtual bool is_exhausted() const { return false; }
+  /// Adds what the source itself counts: rejected, resyncs, reconnects, datagrams lost.
+  virtual void add_counts(SourceHealth& health) const = 0;
+};
+
+}  // namespace odoless

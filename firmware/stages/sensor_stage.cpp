@@ -1,0 +1,62 @@
+#include "firmware/stages/sensor_stage.hpp"
+
+#include <bit>
+
+namespace odoless {
+namespace {
+
+// FNV-1a over the ranges' bits: equal scans are told from noise, nothing more.
+std::uint64_t digest(std::span<const float> ranges_m) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const float range_m : ranges_m) {
+    hash = (hash ^ std::bit_cast<std::uint32_t>(range_m)) * 0x100000001b3U;
+  }
+  return hash;
+}
+
+}  // namespace
+
+ScanVerdict SensorStage::judge_stamp(std::int64_t stamp_ns, std::int64_t now_ns) {
+  if (stamp_ns == last_stamp_ns_) {
+    ++counts_.duplicate;
+    return ScanVerdict::kDuplicate;
+  }
+  if (stamp_ns < last_stamp_ns_) {
+    ++counts_.out_of_order;
+    return ScanVerdict::kOutOfOrder;
+  }
+  if (live_ && now_ns - stamp_ns > kLate_ns) {
+    ++counts_.late;
+    return ScanVerdict::kLate;
+  }
+  return ScanVerdict::kAccepted;
+}
+
+ScanVerdict SensorStage::process(const RawScan& raw, std::int64_t now_ns, ScanFrame& frame) {
+  const ScanVerdict verdict = judge_stamp(raw.stamp_ns, now_ns);
+  if (verdict != ScanVerdict::kAccepted) {
+    return verdict;
+  }
+  if (frame.assign(raw) != Errc::kOk) {
+    ++counts_.rejected;
+    return ScanVerdict::kMalformed;
+  }
+  observe(raw, frame, now_ns);
+  ++counts_.accepted;
+  return ScanVerdict::kAccepted;
+}
+
+void SensorStage::observe(const RawScan& raw, const ScanFrame& frame, std::int64_t now_ns) {
+  if (counts_.accepted > 0) {
+    const std::int64_t period_ns = raw.stamp_ns - last_stamp_ns_;
+    period_ns_ = period_ns_ == 0 ? period_ns : period_ns_ + (period_ns - period_ns_) / 8;
+  }
+  last_stamp_ns_ = raw.stamp_ns;
+  last_scan_ns_ = now_ns;
+  const std::uint64_t hash = digest(raw.ranges_m);
+  same_in_a_row_ = hash == last_digest_ ? same_in_a_row_ + 1 : 0;
+  last_digest_ = hash;
+  blind_in_a_row_ = frame.returns() < kBlindShare * frame.size() ? blind_in_a_row_ + 1 : 0;
+}
+
+}  // namespace odoless

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "core/scan/scan_frame.hpp"
+#include "firmware/pipeline/messages.hpp"
+
+namespace odoless {
+
+/// Why a scan is not taken in.
+enum class ScanVerdict { kAccepted, kMalformed, kDuplicate, kOutOfOrder, kLate };
+
+/// Says which scans go on to the matcher, and what the stream of scans is like.
+///
+/// Thread: sensor thread. Real time: no allocation after construction; time linear in the beams.
+class SensorStage {
+ public:
+  /// @param live  Scans bear the time of now: late ones are refused.
+  explicit SensorStage(bool live) : live_(live) {}
+
+  /// Puts an accepted scan into `frame`, and leaves it as it was otherwise.
+  [[nodiscard]] ScanVerdict process(const RawScan& raw, std::int64_t now_ns, ScanFrame& frame);
+
+  [[nodiscard]] const SourceHealth& counts() const { return counts_; }
+  [[nodiscard]] std::int64_t last_scan_ns() const { return last_scan_ns_; }
+  [[nodiscard]] std::int64_t period_ns() const { return period_ns_; }
+  [[nodiscard]] bool is_blind() const { return blind_in_a_row_ >= kBlindScans; }
+  [[nodiscard]] bool is_stuck() const { return same_in_a_row_ >= kStuckScans; }
+
+  static constexpr std::int64_t kLate_ns = 500'000'000;  ///< older scans say nothing about now
+  static constexpr int kBlindScans = 3;
+  static constexpr int kStuckScans = 10;      ///< a live laser shows noise
+  static constexpr double kBlindShare = 0.05;  ///< of the beams; with fewer returns a scan is blind
+
+ private:
+  [[nodiscard]] ScanVerdict judge_stamp(std::int64_t stamp_ns, std::int64_t now_ns);
+  void observe(const RawScan& raw, const ScanFrame& frame, std::int64_t now_ns);
+
+  bool live_;
+  SourceHealth counts_;
+  std::int64_t last_stamp_ns_ = std::numeric_limits<std::int64_t>::min();
+  std::int64_t last_scan_ns_ = 0;
+  std::int64_t period_ns_ = 0;
+  std::uint64_t last_digest_ = 0;
+  int same_in_a_row_ = 0;
+  int blind_in_a_row_ = 0;
+};
+
+}  // namespace odoless

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/pipeline/pipeline.hpp"
+#include "rt/cpu_clock.hpp"
+#include "rt/memory_lock.hpp"
+
+namespace odoless {
+
+/// How long a stage with nothing to do sleeps before it says that it lives.
+inline constexpr std::int64_t kIdle_ns = 50'000'000;
+/// How long a stage of a lossless replay waits before it looks for room again.
+inline constexpr std::int64_t kRoomWait_ns = 200'000;
+
+/// Takes the time of a piece of work on the calling thread and enters it into a report.
+class StageTimer {
+ public:
+  explicit StageTimer(std::int64_t budget_ns) : budget_ns_(budget_ns) {}
+
+  void begin() { start_ns_ = thread_cpu_ns(); }
+
+  /// @return  CPU time since `begin`.
+  std::int64_t end(StageReport& report) {
+    const std::int64_t used_ns = thread_cpu_ns() - start_ns_;
+    report.cpu.record(used_ns);
+    report.deadline_misses += used_ns > budget_ns_ ? 1 : 0;
+    ++report.scans;
+    return used_ns;
+  }
+
+ private:
+  std::int64_t budget_ns_;
+  std::int64_t start_ns_ = 0;
+};
+
+/// Sends a record; in a lossless replay waits until there is room.
+template <class Record, class Element = std::byte>
+void send(Pipeline& pipeline, Outbox& outbox, RecordType type, const Record& record,
+          std::span<const Element> elements = {}) {
+  while (!outbox.send(type, record, elements) && pipeline.lossless) {
+    sleep_ns(kRoomWait_ns);
+  }
+}
+
+}  // namespace odoless
