@@ -11,12 +11,14 @@ namespace odoless {
 class ScanPool {
  public:
   ScanPool(const ScanParams& params, int slots)
-      : slots_(static_cast<std::size_t>(slots), ScanFrame(params)) {}
+      : beams_max_(params.beams_max), slots_(static_cast<std::size_t>(slots), ScanFrame(params)) {}
 
   [[nodiscard]] ScanFrame& at(ScanSlot slot) { return slots_[slot]; }
   [[nodiscard]] int size() const { return static_cast<int>(slots_.size()); }
+  [[nodiscard]] int beams_max() const { return beams_max_; }
 
  private:
+  int beams_max_;
   std::vector<ScanFrame> slots_;
 };
 
@@ -40,7 +42,7 @@ class FreeSlots {
     return slot;
   }
   void give(ScanSlot slot) { free_.push_back(slot); }  // never more than reserved
-  [[nodiscard]] bool empty() const { return free_.empty(); }
+  [[nodiscard]] std::size_t size() const { return free_.size(); }
 
  private:
   std::vector<ScanSlot> free_;

@@ -2,22 +2,29 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "core/base/result.hpp"
 #include "core/scan/scan_frame.hpp"
-#include "firmware/pipeline/messages.hpp"
+#include "firmware/records/health.hpp"
+#include "firmware/records/records.hpp"
+#include "rt/event_ring.hpp"
 
 namespace odoless {
+
+/// A line for the log with at most one number, `{}` in the text; a string literal.
+using EventText = fmt::format_string<std::int64_t>;
 
 /// Takes what a source has found, in order. Real time: called on the sensor thread.
 class ScanSink {
  public:
   virtual void on_scan(const RawScan& scan) = 0;
+  /// From a matcher elsewhere.
+  virtual void on_motion(const MotionRecord& motion) = 0;
   /// Bytes as they were on the wire.
   virtual void on_raw(std::span<const std::byte> bytes, bool to_device) = 0;
-  /// Something for the log, as in EventRing.
-  virtual void on_event(int priority, const char* format, double value = 0.0) = 0;
+  virtual void on_event(EventPriority priority, EventText text, std::int64_t number) = 0;
 
  protected:
   ~ScanSink() = default;
@@ -29,6 +36,8 @@ class ScanSink {
 /// Thread: the sensor thread. Real time: no allocation, no lock; `work` may read and write its descriptor and no more.
 class ScanSource {
  public:
+  static constexpr std::int64_t kNever_ns = std::numeric_limits<std::int64_t>::max();
+
   ScanSource() = default;
   ScanSource(const ScanSource&) = delete;
   ScanSource& operator=(const ScanSource&) = delete;

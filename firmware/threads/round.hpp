@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <ctime>
 
 #include "firmware/pipeline/pipeline.hpp"
 #include "rt/cpu_clock.hpp"
@@ -12,6 +13,31 @@ namespace odoless {
 inline constexpr std::int64_t kIdle_ns = 50'000'000;
 /// How long a stage of a lossless replay waits before it looks for room again.
 inline constexpr std::int64_t kRoomWait_ns = 200'000;
+
+/// One system call.
+inline void sleep_ns(std::int64_t duration_ns) {
+  const timespec duration{.tv_sec = duration_ns / 1'000'000'000, .tv_nsec = duration_ns % 1'000'000'000};
+  static_cast<void>(clock_nanosleep(CLOCK_MONOTONIC, 0, &duration, nullptr));
+}
+
+/// Page faults of the calling thread since its first question. Real time: one system call in 64 questions.
+class ThreadFaultCounter {
+ public:
+  [[nodiscard]] std::int64_t count() {
+    if (asked_++ % 64 == 0) {
+      const ThreadFaults now = thread_page_faults();
+      const std::int64_t faults = now.minor + now.major;
+      before_ = before_ < 0 ? faults : before_;
+      since_ = faults - before_;
+    }
+    return since_;
+  }
+
+ private:
+  std::int64_t asked_ = 0;
+  std::int64_t before_ = -1;
+  std::int64_t since_ = 0;
+};
 
 /// Takes the time of a piece of work on the calling thread and enters it into a report.
 class StageTimer {

@@ -1,0 +1,90 @@
+#include "firmware/threads/intake.hpp"
+
+#include <limits>
+
+namespace odoless {
+
+Intake::Intake(Pipeline& pipeline, const Clock& clock, bool live, bool publish_scans)
+    : pipeline_(pipeline), clock_(clock), publish_scans_(publish_scans), stage_(live), free_(pipeline.pool.size()) {
+  ranges_m_.reserve(static_cast<std::size_t>(pipeline.pool.beams_max()));
+}
+
+void Intake::reclaim() {
+  for (ScanSlot slot = kNoSlot; pipeline_.slots_from_matcher.try_pop(slot);) {
+    free_.give(slot);
+  }
+  for (ScanSlot slot = kNoSlot; pipeline_.slots_from_filter.try_pop(slot);) {
+    free_.give(slot);
+  }
+}
+
+bool Intake::has_room() {
+  reclaim();
+  return static_cast<std::size_t>(pipeline_.pool.size()) - free_.size() < pipeline_.scans.capacity();
+}
+
+void Intake::on_scan(const RawScan& scan) {
+  reclaim();
+  const ScanSlot slot = free_.take();
+  if (slot == kNoSlot) {
+    ++without_slot_;
+    return;
+  }
+  if (stage_.process(scan, clock_.now_ns(), pipeline_.pool.at(slot)) != ScanVerdict::kAccepted) {
+    free_.give(slot);
+    return;
+  }
+  if (publish_scans_) {
+    publish(scan);
+  }
+  take(slot);
+}
+
+void Intake::take(ScanSlot slot) {
+  if (const std::optional<ScanSlot> evicted = pipeline_.scans.push(slot)) {
+    free_.give(*evicted);
+  }
+  pipeline_.matcher.wake.notify();
+}
+
+void Intake::publish(const RawScan& scan) {
+  ScanRecord record;
+  record.stamp_ns = scan.stamp_ns;
+  record.start_angle_rad = scan.start_angle_rad;
+  record.angle_step_rad = scan.angle_step_rad;
+  record.beams = static_cast<std::int32_t>(scan.ranges_m.size());
+  ranges_m_.assign(scan.ranges_m.begin(), scan.ranges_m.end());
+  for (float& range_m : ranges_m_) {
+    const float known_m = range_m > 0.0F ? range_m : 0.0F;  // also of NaN
+    range_m = known_m >= scan.no_return_m ? std::numeric_limits<float>::infinity() : known_m;
+  }
+  send(pipeline_, pipeline_.sensor.outbox, RecordType::kScan, record, std::span<const float>(ranges_m_));
+}
+
+void Intake::on_raw(std::span<const std::byte> bytes, bool to_device) {
+  RawBytesRecord record;
+  record.stamp_ns = clock_.now_ns();
+  record.size_bytes = static_cast<std::int32_t>(bytes.size());
+  record.to_device = to_device ? 1 : 0;
+  send(pipeline_, pipeline_.sensor.outbox, RecordType::kRawBytes, record, bytes);
+}
+
+void Intake::on_event(EventPriority priority, EventText text, std::int64_t number) {
+  pipeline_.sensor.log.push(clock_.now_ns(), priority, text, number);
+}
+
+void Intake::report(const ScanSource& source, StageReport& stage) {
+  SensorReport report;
+  report.stage = stage;
+  report.source = stage_.counts();
+  source.add_counts(report.source);
+  report.source.dropped = static_cast<std::int64_t>(pipeline_.scans.evicted()) + without_slot_;
+  report.last_scan_ns = stage_.last_scan_ns();
+  report.period_ns = stage_.period_ns();
+  report.open = source.is_open();
+  report.blind = stage_.is_blind();
+  report.stuck = stage_.is_stuck();
+  pipeline_.sensor.report.write(report);
+}
+
+}  // namespace odoless

@@ -1,0 +1,45 @@
+#include "firmware/threads/sensor_loop.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <array>
+
+namespace odoless {
+
+SensorLoop::SensorLoop(Pipeline& pipeline, ScanSource& source, Intake& intake, const Clock& clock,
+                       std::int64_t budget_ns)
+    : pipeline_(pipeline), source_(source), intake_(intake), clock_(clock), timer_(budget_ns) {}
+
+void SensorLoop::run() {
+  while (!pipeline_.stopping.load(std::memory_order_acquire) && !source_.is_exhausted()) {
+    if (pipeline_.lossless && !intake_.has_room()) {
+      sleep_ns(kRoomWait_ns);
+    } else {
+      wait();
+      timer_.begin();
+      source_.work(clock_.now_ns(), intake_);
+      timer_.end(report_);
+      report_.page_faults = faults_.count();
+      intake_.report(source_, report_);
+    }
+    pipeline_.sensor.heartbeat.fetch_add(1, std::memory_order_relaxed);
+  }
+  pipeline_.sensor.done.store(true, std::memory_order_release);
+  pipeline_.matcher.wake.notify();
+  pipeline_.filter.wake.notify();
+}
+
+void SensorLoop::wait() {
+  const std::int64_t left_ns = source_.next_deadline_ns() - clock_.now_ns();
+  const std::int64_t wait_ns = std::clamp<std::int64_t>(left_ns, 0, kIdle_ns);
+  std::array<pollfd, 2> ready{pollfd{.fd = pipeline_.sensor.wake.descriptor(), .events = POLLIN, .revents = 0},
+                              pollfd{.fd = source_.descriptor(), .events = POLLIN, .revents = 0}};
+  const timespec timeout{.tv_sec = 0, .tv_nsec = wait_ns};
+  static_cast<void>(ppoll(ready.data(), ready.size(), &timeout, nullptr));
+  if ((ready[0].revents & POLLIN) != 0) {
+    pipeline_.sensor.wake.wait(0);
+  }
+}
+
+}  // namespace odoless
