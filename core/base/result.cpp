@@ -16,6 +16,18 @@ const char* describe(Errc error) {
       return "no reference has been set";
     case Errc::kCapacity:
       return "a fixed pool is full";
+    case Errc::kBadAddress:
+      return "the address or name cannot be used";
+    case Errc::kUnavailable:
+      return "the network or a service of the system refuses";
+    case Errc::kTooLong:
+      return "the message is too long";
+    case Errc::kMalformed:
+      return "the message does not follow its format";
+    case Errc::kUnknownType:
+      return "the message is of another type";
+    case Errc::kBadNumber:
+      return "a number in the message is not finite or out of its range";
   }
   return "unknown error";
 }

@@ -15,6 +15,12 @@ enum class Errc {
   kBadGeometry,    ///< angles or stamps that are not finite, or a step of zero
   kNoReference,    ///< a match was asked for before a reference was set
   kCapacity,       ///< a pool with a fixed capacity is full
+  kBadAddress,     ///< an address or name that cannot be used
+  kUnavailable,    ///< the network or a service of the system refuses
+  kTooLong,        ///< a message is longer than allowed, or than the buffer
+  kMalformed,      ///< a message doesn't follow its format
+  kUnknownType,    ///< a message is of another type than expected
+  kBadNumber,      ///< a number in a message is not finite, or out of its range
 };
 
 /// One sentence for a person.

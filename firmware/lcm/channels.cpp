@@ -1,0 +1,21 @@
+#include "firmware/lcm/channels.hpp"
+
+namespace odoless {
+
+Channels::Channels(std::string_view prefix) {
+  const auto named = [prefix](std::string_view name) { return std::string(prefix).append(name); };
+  scan = named("SCAN");
+  lrf_raw_rx = named("LRF_RAW_RX");
+  lrf_raw_tx = named("LRF_RAW_TX");
+  motion = named("MOTION");
+  pose = named("POSE");
+  pose_covariance = named("POSE_COVARIANCE");
+  map_to_odom = named("MAP_TO_ODOM");
+  map_tile = named("MAP_TILE");
+  map = named("MAP");
+  health = named("HEALTH");
+  lrf_status = named("LRF_STATUS");
+  scan_points = named("SCAN_POINTS");
+}
+
+}  // namespace odoless

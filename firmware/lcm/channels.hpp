@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace odoless {
+
+/// LCM's own limit of a channel's name.
+inline constexpr std::size_t kChannelMaxBytes = 63;
+
+/// Longest prefix that leaves room for the longest name.
+inline constexpr std::size_t kChannelPrefixMaxBytes = 40;
+
+/// The names of all channels, with one prefix, so that several robots can share a network. README.md says what each
+/// carries.
+struct Channels {
+  std::string scan;             ///< bot_core.planar_lidar_t
+  std::string lrf_raw_rx;       ///< bot_core.raw_t, received from the device
+  std::string lrf_raw_tx;       ///< bot_core.raw_t, sent to the device
+  std::string motion;           ///< odoless.pose_covariance_t, frame "odom"
+  std::string pose;             ///< bot_core.pose_t
+  std::string pose_covariance;  ///< odoless.pose_covariance_t, frame "map"
+  std::string map_to_odom;      ///< bot_core.rigid_transform_t
+  std::string map_tile;         ///< odoless.map_tile_t
+  std::string map;              ///< occ_map.pixel_map_t
+  std::string health;           ///< odoless.health_t
+  std::string lrf_status;       ///< bot_core.sensor_status_t
+  std::string scan_points;      ///< bot_core.pointcloud_t
+
+  explicit Channels(std::string_view prefix = "ODOLESS_");
+};
+
+}  // namespace odoless

@@ -1,0 +1,206 @@
+#include "firmware/lcm/lcm_link.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+#include "core/base/check.hpp"
+#include "firmware/lcm/messages.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr std::int64_t kVelocityAgeMaxNs = 1'000'000'000;
+constexpr std::size_t kHeaderMaxBytes = 200;  // all that stands before the data of a tile or a map
+
+// The first of several that is not kOk.
+Errc first_error(Errc a, Errc b) { return a != Errc::kOk ? a : b; }
+
+std::string with_ttl(const std::string& url, int ttl) {
+  if (url.find("udpm://") == std::string::npos) {
+    return url;  // only datagrams have one
+  }
+  return url + (url.find('?') == std::string::npos ? '?' : '&') + "ttl=" + std::to_string(ttl);
+}
+
+}  // namespace
+
+/// One message of every kind, kept for the memory of their vectors.
+struct LcmLink::Messages {
+  Messages() {
+    scan.ranges.reserve(kMessageMaxBytes / sizeof(float));
+    raw.data.reserve(kMessageMaxBytes);
+    tile.data.resize(kMessageMaxBytes - kHeaderMaxBytes);
+    map.mapData.resize(kMessageMaxBytes - kHeaderMaxBytes);
+    points.points.assign(kPointsMax, std::vector<float>(3));
+    points.seq = -1;
+  }
+
+  bot_core::planar_lidar_t scan{};
+  bot_core::raw_t raw{};
+  pose_covariance_t pose_covariance{};
+  bot_core::pose_t pose{};
+  bot_core::rigid_transform_t map_to_odom{};
+  map_tile_t tile{};
+  occ_map::pixel_map_t map{};
+  health_t health{};
+  bot_core::sensor_status_t lrf_status{};
+  bot_core::pointcloud_t points{};
+};
+
+LcmLink::LcmLink(const LcmParams& params, std::size_t map_cells_max)
+    : params_(params),
+      channels_(params.prefix),
+      messages_(std::make_unique<Messages>()),
+      buffer_(kMessageMaxBytes),
+      // Halving rounds up: a single row of cells only becomes half of them.
+      halved_cells_(map_cells_max / 2 + 1) {}
+
+LcmLink::~LcmLink() = default;
+
+Errc LcmLink::fail(Errc error, std::string reason) {
+  reason_ = std::move(reason);
+  return error;
+}
+
+Errc LcmLink::open() {
+  if (params_.prefix.size() > kChannelPrefixMaxBytes) {
+    return fail(Errc::kBadAddress, "the prefix of the channels, '" + params_.prefix + "', is longer than " +
+                                       std::to_string(kChannelPrefixMaxBytes) + " bytes");
+  }
+  if (params_.url.find("ttl=") != std::string::npos) {
+    return fail(Errc::kBadAddress, "the address '" + params_.url + "' has a ttl: set the parameter ttl instead");
+  }
+  if (params_.url.empty()) {
+    return Errc::kOk;
+  }
+  const std::string url = with_ttl(params_.url, params_.ttl);
+  lcm_.reset(lcm_create(url.c_str()));
+  if (lcm_ == nullptr) {
+    return fail(Errc::kUnavailable,
+                "LCM cannot use '" + url +
+                    "': is it of the form udpm://239.255.76.67:7667, and does the host have a route "
+                    "for multicast (ip route add 224.0.0.0/4 dev lo)?");
+  }
+  return Errc::kOk;
+}
+
+Errc LcmLink::refuse_too_long() {
+  ++counters_.too_long;
+  return Errc::kTooLong;
+}
+
+template <class Message>
+Errc LcmLink::send(const std::string& channel, const Message& message) {
+  const int size_bytes = message.getEncodedSize();
+  if (std::cmp_greater(size_bytes, buffer_.size())) {
+    return refuse_too_long();
+  }
+  const int written_bytes = message.encode(buffer_.data(), 0, static_cast<int>(buffer_.size()));
+  ODOLESS_CHECK(written_bytes == size_bytes);
+  if (tap_ != nullptr) {
+    tap_->record(channel, {buffer_.data(), static_cast<std::size_t>(size_bytes)}, message.utime * 1000);
+  }
+  return transmit(channel, static_cast<std::size_t>(size_bytes));
+}
+
+Errc LcmLink::transmit(const std::string& channel, std::size_t size_bytes) {
+  if (params_.url.empty()) {
+    return Errc::kOk;
+  }
+  if (!params_.raw_bytes && (channel == channels_.lrf_raw_rx || channel == channels_.lrf_raw_tx)) {
+    return Errc::kOk;
+  }
+  if (lcm_ == nullptr ||
+      lcm_publish(lcm_.get(), channel.c_str(), buffer_.data(), static_cast<unsigned int>(size_bytes)) != 0) {
+    ++counters_.errors;
+    return Errc::kUnavailable;
+  }
+  ++counters_.messages;
+  counters_.bytes += static_cast<std::int64_t>(size_bytes);
+  return Errc::kOk;
+}
+
+Errc LcmLink::publish(const ScanRecord& scan, std::span<const float> ranges_m) {
+  if (ranges_m.size_bytes() > kMessageMaxBytes) {
+    return refuse_too_long();
+  }
+  to_message(scan, ranges_m, messages_->scan);
+  return send(channels_.scan, messages_->scan);
+}
+
+Errc LcmLink::publish(const RawBytesRecord& raw, std::span<const std::byte> bytes) {
+  if (bytes.size() > kMessageMaxBytes) {
+    return refuse_too_long();
+  }
+  to_message(raw, bytes, messages_->raw);
+  return send(raw.to_device != 0 ? channels_.lrf_raw_tx : channels_.lrf_raw_rx, messages_->raw);
+}
+
+Errc LcmLink::publish(const MotionRecord& motion) {
+  last_motion_ = motion;
+  to_message(motion, messages_->pose_covariance);
+  return send(channels_.motion, messages_->pose_covariance);
+}
+
+Errc LcmLink::publish(const PoseRecord& pose) {
+  const bool fresh = std::abs(pose.stamp_ns - last_motion_.to_stamp_ns) <= kVelocityAgeMaxNs;
+  to_message(pose, fresh ? velocity_of(last_motion_, pose.map_T_scan.yaw_rad) : Velocity{}, messages_->pose);
+  Errc error = send(channels_.pose, messages_->pose);
+  to_message(pose, messages_->pose_covariance);
+  error = first_error(error, send(channels_.pose_covariance, messages_->pose_covariance));
+  to_message(pose, messages_->map_to_odom);
+  return first_error(error, send(channels_.map_to_odom, messages_->map_to_odom));
+}
+
+Errc LcmLink::publish(const MapTileRecord& tile, std::span<const std::uint8_t> cells) {
+  const Result<std::size_t> size_bytes = deflater_.deflate(cells, messages_->tile.data);
+  if (!size_bytes.ok()) {
+    return refuse_too_long();
+  }
+  to_message(tile, tiles_sent_++, messages_->tile);
+  messages_->tile.datasize = static_cast<std::int32_t>(size_bytes.value());
+  return send(channels_.map_tile, messages_->tile);
+}
+
+Errc LcmLink::publish(const HealthReport& health) {
+  to_message(health, messages_->health);
+  const Errc error = send(channels_.health, messages_->health);
+  to_message(health, messages_->lrf_status);
+  return first_error(error, send(channels_.lrf_status, messages_->lrf_status));
+}
+
+Errc LcmLink::publish(const MapView& map) {
+  occ_map::pixel_map_t& message = messages_->map;
+  MapView shown = map;
+  Result<std::size_t> size_bytes = deflater_.deflate(shown.cells, message.mapData);
+  while (!size_bytes.ok()) {
+    if (halved_cells(shown.columns, shown.rows) > halved_cells_.size()) {
+      return refuse_too_long();
+    }
+    shown = halved(shown, halved_cells_);
+    size_bytes = deflater_.deflate(shown.cells, message.mapData);
+  }
+  message.utime = shown.stamp_ns / 1000;
+  message.dimensions[0] = shown.columns;
+  message.dimensions[1] = shown.rows;
+  message.xy0[0] = shown.lower_left_x_m;
+  message.xy0[1] = shown.lower_left_y_m;
+  message.xy1[0] = shown.lower_left_x_m + shown.columns * shown.cell_size_m;
+  message.xy1[1] = shown.lower_left_y_m + shown.rows * shown.cell_size_m;
+  message.mpp = shown.cell_size_m;
+  message.compressed = 1;
+  message.data_type = occ_map::pixel_map_t::TYPE_UINT8;
+  message.datasize = static_cast<std::int32_t>(size_bytes.value());
+  return send(channels_.map, message);
+}
+
+Errc LcmLink::publish_points(const PoseRecord& pose, const ScanRecord& scan, std::span<const float> ranges_m) {
+  if (!params_.scan_points) {
+    return Errc::kOk;
+  }
+  to_points(pose, scan, ranges_m, messages_->points);
+  return send(channels_.scan_points, messages_->points);
+}
+
+}  // namespace odoless

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <lcm/lcm.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.hpp"
+#include "firmware/lcm/channels.hpp"
+#include "firmware/lcm/deflater.hpp"
+#include "firmware/lcm/lcm_params.hpp"
+#include "firmware/lcm/map_view.hpp"
+#include "firmware/records/health.hpp"
+#include "firmware/records/records.hpp"
+
+namespace odoless {
+
+/// Gets every encoded message, sent or not: the recorder.
+class LcmTap {
+ public:
+  LcmTap() = default;
+  LcmTap(const LcmTap&) = delete;
+  LcmTap& operator=(const LcmTap&) = delete;
+  virtual ~LcmTap() = default;
+
+  /// `message` is encoded, with its fingerprint, and lives as long as the call.
+  virtual void record(std::string_view channel, std::span<const std::byte> message, std::int64_t stamp_ns) = 0;
+};
+
+/// Since construction.
+struct LcmCounters {
+  std::int64_t messages = 0;  ///< sent
+  std::int64_t bytes = 0;     ///< of them
+  std::int64_t errors = 0;    ///< the system refused to send
+  std::int64_t too_long = 0;  ///< refused before, being longer than `kMessageMaxBytes`
+};
+
+/// Publishes records over LCM.
+///
+/// Each `publish` converts, encodes into a buffer that exists already, hands the message to the tap and sends it.
+/// Nothing is allocated after the first message of a kind. An error is counted and returned, and stops nothing: the
+/// next message is tried again. None is longer than `kMessageMaxBytes`, so that each fits one datagram.
+///
+/// Thread: publisher thread only, as sending may block on a full socket; never a real-time thread.
+class LcmLink {
+ public:
+  /// @param map_cells_max  Most cells of a whole map; memory for half of them is set aside.
+  LcmLink(const LcmParams& params, std::size_t map_cells_max);
+  ~LcmLink();
+  LcmLink(const LcmLink&) = delete;
+  LcmLink& operator=(const LcmLink&) = delete;
+
+  /// Opens LCM; may be tried again. With an empty address nothing is opened, and messages go to the tap alone.
+  /// Errc::kBadAddress or Errc::kUnavailable; `reason` then says more.
+  [[nodiscard]] Errc open();
+  /// Why `open` failed, for a person: what is wrong and what would be right.
+  [[nodiscard]] const std::string& reason() const { return reason_; }
+  [[nodiscard]] bool is_open() const { return lcm_ != nullptr; }
+
+  /// The tap outlives the link, or is taken off by nullptr.
+  void set_tap(LcmTap* tap) { tap_ = tap; }
+
+  /// Of all: Errc::kOk, Errc::kTooLong, or Errc::kUnavailable when it was not sent.
+  [[nodiscard]] Errc publish(const ScanRecord& scan, std::span<const float> ranges_m);
+  /// To the tap alone unless the parameters say otherwise.
+  [[nodiscard]] Errc publish(const RawBytesRecord& raw, std::span<const std::byte> bytes);
+  [[nodiscard]] Errc publish(const MotionRecord& motion);
+  /// Three messages: pose, pose with covariance, and where odom is in the map. The velocity is that of the last motion
+  /// published, if that ended not more than a second from this pose.
+  [[nodiscard]] Errc publish(const PoseRecord& pose);
+  [[nodiscard]] Errc publish(const MapTileRecord& tile, std::span<const std::uint8_t> cells);
+  /// Two messages: health, and that the laser lives.
+  [[nodiscard]] Errc publish(const HealthReport& health);
+  /// The whole map; its resolution is halved until it fits one message.
+  [[nodiscard]] Errc publish(const MapView& map);
+  /// The returns of a scan in the map, if the parameters want them. `pose` is that of the scan.
+  [[nodiscard]] Errc publish_points(const PoseRecord& pose, const ScanRecord& scan, std::span<const float> ranges_m);
+
+  [[nodiscard]] const LcmCounters& counters() const { return counters_; }
+  [[nodiscard]] const Channels& channels() const { return channels_; }
+
+ private:
+  struct Messages;
+  struct Closer {
+    void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
+  };
+  [[nodiscard]] Errc fail(Errc error, std::string reason);
+  template <class Message>
+  [[nodiscard]] Errc send(const std::string& channel, const Message& message);
+  [[nodiscard]] Errc refuse_too_long();
+  [[nodiscard]] Errc transmit(const std::string& channel, std::size_t size_bytes);
+
+  LcmParams params_;
+  Channels channels_;
+  std::unique_ptr<Messages> messages_;
+  std::unique_ptr<lcm_t, Closer> lcm_;
+  std::string reason_;
+  LcmTap* tap_ = nullptr;
+  Deflater deflater_;
+  std::vector<std::byte> buffer_;
+  std::vector<std::uint8_t> halved_cells_;
+  MotionRecord last_motion_;
+  std::int32_t tiles_sent_ = 0;
+  LcmCounters counters_;
+};
+
+}  // namespace odoless

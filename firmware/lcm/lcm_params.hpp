@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+
+#include "core/base/parameters.hpp"
+
+namespace odoless {
+
+/// What is published over LCM, where, and how often.
+struct LcmParams {
+  std::string url = "udpm://239.255.76.67:7667";
+  int ttl = 0;
+  std::string prefix = "ODOLESS_";
+  double map_refresh_s = 5.0;
+  double overview_s = 2.0;
+  bool raw_bytes = false;
+  bool scan_points = true;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.text("url", self.url,
+               "Where messages go: udpm://GROUP:PORT, or another address of LCM; empty: they are not sent.");
+    visit.value("ttl", self.ttl, Range{0, 255},
+                "How many routers pass the messages on; 0: they stay on this host. LCM knows no authentication.");
+    visit.text("prefix", self.prefix, "Stands before the name of every channel.");
+    visit.value("map_refresh_s", self.map_refresh_s, Range{0.5, 3600.0},
+                "Time in which every tile of the map is sent again.");
+    visit.value("overview_s", self.overview_s, Range{0.2, 3600.0}, "Time between two messages of the whole map.");
+    visit.flag("raw_bytes", self.raw_bytes,
+               "Whether the bytes to and from the laser are sent; they are recorded in any case.");
+    visit.flag("scan_points", self.scan_points, "Whether each scan is also sent as points in the map.");
+  }
+};
+
+}  // namespace odoless

@@ -1,0 +1,201 @@
+#include "firmware/lcm/messages.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odoless {
+namespace {
+
+constexpr double kNsPerS = 1e9;
+
+std::int64_t utime(std::int64_t stamp_ns) { return stamp_ns / 1000; }
+
+void to_array(const Pose2& pose, double (&out)[3]) {
+  out[0] = pose.x_m;
+  out[1] = pose.y_m;
+  out[2] = pose.yaw_rad;
+}
+
+// Rotation about z as w, x, y, z.
+void to_quaternion(double yaw_rad, double (&out)[4]) {
+  out[0] = std::cos(yaw_rad / 2.0);
+  out[1] = 0.0;
+  out[2] = 0.0;
+  out[3] = std::sin(yaw_rad / 2.0);
+}
+
+bool is_return(float range_m) { return std::isfinite(range_m) && range_m > 0.0F; }
+
+void to_message(const SourceHealth& source, source_health_t& message) {
+  message.age_s = source.age_s;
+  message.rate_hz = source.rate_hz;
+  message.accepted = source.accepted;
+  message.rejected = source.rejected;
+  message.late = source.late;
+  message.duplicate = source.duplicate;
+  message.out_of_order = source.out_of_order;
+  message.resyncs = source.resyncs;
+  message.dropped = source.dropped;
+  message.reconnects = source.reconnects;
+  message.datagrams_lost = source.datagrams_lost;
+}
+
+void to_message(const StageHealth& stage, stage_health_t& message) {
+  message.scans = stage.scans;
+  message.p50_ms = stage.p50_ms;
+  message.p99_ms = stage.p99_ms;
+  message.max_ms = stage.max_ms;
+  message.deadline_misses = stage.deadline_misses;
+}
+
+}  // namespace
+
+Velocity velocity_of(const MotionRecord& motion, double map_yaw_rad) {
+  const double period_s = static_cast<double>(motion.to_stamp_ns - motion.from_stamp_ns) / kNsPerS;
+  if ((motion.flags & kMatched) == 0 || period_s <= 0.0) {
+    return {};
+  }
+  const Pose2& step = motion.previous_T_current;
+  const Pose2 map_R_previous{0.0, 0.0, map_yaw_rad - step.yaw_rad};
+  const Point2 way_m = map_R_previous * Point2{step.x_m, step.y_m};
+  return {way_m.x_m / period_s, way_m.y_m / period_s, step.yaw_rad / period_s};
+}
+
+void to_message(const ScanRecord& scan, std::span<const float> ranges_m, bot_core::planar_lidar_t& message) {
+  message.utime = utime(scan.stamp_ns);
+  message.nranges = static_cast<std::int32_t>(ranges_m.size());
+  message.ranges.assign(ranges_m.begin(), ranges_m.end());
+  message.nintensities = 0;
+  message.rad0 = static_cast<float>(scan.start_angle_rad);
+  message.radstep = static_cast<float>(scan.angle_step_rad);
+}
+
+void to_message(const RawBytesRecord& raw, std::span<const std::byte> bytes, bot_core::raw_t& message) {
+  message.utime = utime(raw.stamp_ns);
+  message.length = static_cast<std::int32_t>(bytes.size());
+  message.data.resize(bytes.size());
+  std::transform(bytes.begin(), bytes.end(), message.data.begin(),
+                 [](std::byte byte) { return std::to_integer<std::uint8_t>(byte); });
+}
+
+void to_message(const MotionRecord& motion, pose_covariance_t& message) {
+  message.utime = utime(motion.to_stamp_ns);
+  message.reference_utime = utime(motion.from_stamp_ns);
+  message.frame = "odom";
+  to_array(motion.odom_T_scan, message.pose);
+  to_array(motion.previous_T_current, message.step);
+  std::copy(motion.covariance.begin(), motion.covariance.end(), std::begin(message.covariance));
+  std::copy(motion.information_1_m2.begin(), motion.information_1_m2.end(), std::begin(message.information));
+  message.fitness = motion.fitness;
+  message.second_peak_ratio = motion.second_peak_ratio;
+  message.evaluations = motion.evaluations;
+  message.particles = 0;
+  message.effective_particles = 0.0;
+  message.flags = motion.flags;
+}
+
+void to_message(const PoseRecord& pose, pose_covariance_t& message) {
+  message.utime = utime(pose.stamp_ns);
+  message.reference_utime = utime(pose.update_stamp_ns);
+  message.frame = "map";
+  to_array(pose.map_T_scan, message.pose);
+  to_array(pose.update_T_scan, message.step);
+  std::copy(pose.covariance.begin(), pose.covariance.end(), std::begin(message.covariance));
+  std::fill(std::begin(message.information), std::end(message.information), 0.0);
+  message.fitness = pose.log_likelihood_per_beam;
+  message.second_peak_ratio = 0.0;
+  message.evaluations = 0;
+  message.particles = pose.particles;
+  message.effective_particles = pose.effective_particles;
+  message.flags = pose.updated != 0 ? pose_covariance_t::FILTER_UPDATED : 0;
+}
+
+void to_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose_t& message) {
+  message = {};
+  message.utime = utime(pose.stamp_ns);
+  message.pos[0] = pose.map_T_scan.x_m;
+  message.pos[1] = pose.map_T_scan.y_m;
+  message.vel[0] = velocity.x_mps;
+  message.vel[1] = velocity.y_mps;
+  to_quaternion(pose.map_T_scan.yaw_rad, message.orientation);
+  message.rotation_rate[2] = velocity.yaw_radps;
+}
+
+void to_message(const PoseRecord& pose, bot_core::rigid_transform_t& message) {
+  message.utime = utime(pose.stamp_ns);
+  message.trans[0] = pose.map_T_odom.x_m;
+  message.trans[1] = pose.map_T_odom.y_m;
+  message.trans[2] = 0.0;
+  to_quaternion(pose.map_T_odom.yaw_rad, message.quat);
+}
+
+void to_message(const MapTileRecord& tile, std::int32_t sequence, map_tile_t& message) {
+  message.utime = utime(tile.stamp_ns);
+  message.sequence = sequence;
+  message.column = tile.column;
+  message.row = tile.row;
+  message.size_cells = tile.size_cells;
+  message.cell_size_m = tile.cell_size_m;
+}
+
+void to_message(const HealthReport& health, health_t& message) {
+  message.utime = utime(health.stamp_ns);
+  message.state = static_cast<std::int8_t>(health.state);
+  message.reasons = static_cast<std::int32_t>(health.reasons);
+  message.latched_reasons = static_cast<std::int32_t>(health.latched_reasons);
+  to_message(health.lrf, message.lrf);
+  message.fitness = health.fitness;
+  message.second_peak_ratio = health.second_peak_ratio;
+  std::copy(health.information_1_m2.begin(), health.information_1_m2.end(), std::begin(message.information));
+  message.evaluations = health.evaluations;
+  message.deadline_hit = static_cast<std::int8_t>(health.deadline_hit);
+  message.effective_particles = health.effective_particles;
+  message.particles = health.particles;
+  message.position_sd_m = health.position_sd_m;
+  message.yaw_sd_rad = health.yaw_sd_rad;
+  for (std::size_t stage = 0; stage < health.stages.size(); ++stage) {
+    to_message(health.stages[stage], message.stages[stage]);
+  }
+  message.page_faults = health.page_faults;
+  message.allocations = health.allocations;
+  message.scan_queue_high_water = health.scan_queue_high_water;
+  message.motion_queue_high_water = health.motion_queue_high_water;
+  message.map_pool_used = health.map_pool_used;
+  message.records_dropped = health.records_dropped;
+  message.publish_errors = health.publish_errors;
+  message.checkpoint_age_s = health.checkpoint_age_s;
+  message.storage_error = health.storage_error;
+}
+
+void to_message(const HealthReport& health, bot_core::sensor_status_t& message) {
+  message.utime = utime(health.stamp_ns);
+  message.sensor_name = "lrf";
+  message.rate = health.lrf.rate_hz;
+  message.type = bot_core::sensor_status_t::HOKUYO_LASER;
+}
+
+void to_points(const PoseRecord& pose, const ScanRecord& scan, std::span<const float> ranges_m,
+               bot_core::pointcloud_t& message) {
+  const auto returns = static_cast<int>(std::count_if(ranges_m.begin(), ranges_m.end(), is_return));
+  const int stride = std::max(1, (returns + kPointsMax - 1) / kPointsMax);
+  message.utime = utime(scan.stamp_ns);
+  ++message.seq;
+  message.frame_id = "map";
+  message.n_channels = 0;
+  message.n_points = 0;
+  int seen = 0;
+  for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
+    if (!is_return(ranges_m[beam]) || seen++ % stride != 0) {
+      continue;
+    }
+    const double angle_rad = scan.start_angle_rad + static_cast<double>(beam) * scan.angle_step_rad;
+    const double range_m = ranges_m[beam];
+    const Point2 p_map = pose.map_T_scan * Point2{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)};
+    auto& point = message.points[static_cast<std::size_t>(message.n_points++)];
+    point[0] = static_cast<float>(p_map.x_m);
+    point[1] = static_cast<float>(p_map.y_m);
+    point[2] = 0.0F;
+  }
+}
+
+}  // namespace odoless

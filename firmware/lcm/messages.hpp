@@ -1,0 +1,60 @@
+#pragma once
+
+#include <bot_core/planar_lidar_t.hpp>
+#include <bot_core/pointcloud_t.hpp>
+#include <bot_core/pose_t.hpp>
+#include <bot_core/raw_t.hpp>
+#include <bot_core/rigid_transform_t.hpp>
+#include <bot_core/sensor_status_t.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <occ_map/pixel_map_t.hpp>
+#include <odoless/health_t.hpp>
+#include <odoless/map_tile_t.hpp>
+#include <odoless/pose_covariance_t.hpp>
+#include <span>
+
+#include "core/geometry/pose2.hpp"
+#include "firmware/records/health.hpp"
+#include "firmware/records/records.hpp"
+
+namespace odoless {
+
+/// Records to LCM messages. The messages are kept by the caller, so that their vectors keep their memory: none of these
+/// allocates once the vectors have grown to what they hold at most.
+
+/// Largest encoded message, so that one datagram carries it and a receiver with default buffers gets it.
+inline constexpr std::size_t kMessageMaxBytes = 60'000;
+
+/// Most points of a pointcloud_t below that size.
+inline constexpr int kPointsMax = 4900;
+
+/// Velocity over ground of the laser, axes of the map.
+struct Velocity {
+  double x_mps = 0.0;
+  double y_mps = 0.0;
+  double yaw_radps = 0.0;
+};
+
+/// Mean velocity over the motion that ended at a scan at `map_yaw_rad`; zero where nothing was matched.
+[[nodiscard]] Velocity velocity_of(const MotionRecord& motion, double map_yaw_rad);
+
+void to_message(const ScanRecord& scan, std::span<const float> ranges_m, bot_core::planar_lidar_t& message);
+void to_message(const RawBytesRecord& raw, std::span<const std::byte> bytes, bot_core::raw_t& message);
+void to_message(const MotionRecord& motion, pose_covariance_t& message);
+void to_message(const PoseRecord& pose, pose_covariance_t& message);
+void to_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose_t& message);
+void to_message(const HealthReport& health, health_t& message);
+/// All but the data, which are compressed.
+void to_message(const MapTileRecord& tile, std::int32_t sequence, map_tile_t& message);
+/// `map_T_odom` of a pose.
+void to_message(const PoseRecord& pose, bot_core::rigid_transform_t& message);
+/// That the laser lives, as told by `health`.
+void to_message(const HealthReport& health, bot_core::sensor_status_t& message);
+
+/// The scan's returns in the map, at most `kPointsMax`: with more, every second is left out, or two of three, and so
+/// on. `message.points` has kPointsMax points of three coordinates, of which the first `n_points` count.
+void to_points(const PoseRecord& pose, const ScanRecord& scan, std::span<const float> ranges_m,
+               bot_core::pointcloud_t& message);
+
+}  // namespace odoless
