@@ -79,6 +79,13 @@ void EntryCollector::flag(const char* name, bool& value, const char* text) {
                       .set = [&value](const Entry::Value& flag) { value = std::get<bool>(flag); }});
 }
 
+void EntryCollector::text(const char* name, std::string& value, const char* text) {
+  entries_.push_back({.key = prefix_ + name,
+                      .text = text,
+                      .get = [&value] { return value; },
+                      .set = [&value](const Entry::Value& words) { value = std::get<std::string>(words); }});
+}
+
 void EntryCollector::add_choice(const char* name, std::span<const char* const> names, const char* text,
                                 std::function<std::size_t()> get_index, std::function<void(std::size_t)> set_index) {
   auto get = [names, get_index = std::move(get_index)] {

@@ -17,7 +17,8 @@ namespace odoless {
 
 /// One parameter with its struct's type erased, in the names and units of the file.
 struct Entry {
-  /// The alternative tells the kind: real number, whole number, flag, or name of a choice.
+  /// The alternative tells the kind: real number, whole number, flag, or text; a choice is a text
+  /// that must be one of `names`.
   using Value = std::variant<double, std::int64_t, bool, std::string>;
 
   std::string key;  ///< with its groups: matcher.cell_size_m
@@ -41,6 +42,7 @@ class EntryCollector {
   void value(const char* name, int& value, Range<int> range, const char* text);
   void value(const char* name, std::int64_t& value, Range<std::int64_t> range, const char* text);
   void flag(const char* name, bool& value, const char* text);
+  void text(const char* name, std::string& value, const char* text);
   template <class Enum>
   void choice(const char* name, Enum& value, std::span<const char* const> names, const char* text) {
     static_assert(std::is_enum_v<Enum>);

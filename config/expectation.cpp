@@ -49,6 +49,17 @@ std::size_t key_distance(std::string_view key, std::string_view known) {
   return std::min(edit_distance(key, known), edit_distance(name_of(key), name_of(known)) + 1);
 }
 
+/// A text between quotes, as a basic string of TOML.
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    out += c == '"' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
+  }
+  return out + '"';
+}
+
+bool is_text(const Entry& entry) { return entry.names.empty() && std::holds_alternative<std::string>(entry.get()); }
+
 }  // namespace
 
 std::string value_text(const Entry::Value& value) {
@@ -61,14 +72,14 @@ std::string value_text(const Entry::Value& value) {
   if (const auto* const flag = std::get_if<bool>(&value)) {
     return *flag ? "true" : "false";
   }
-  return fmt::format("\"{}\"", std::get<std::string>(value));
+  return quoted(std::get<std::string>(value));
 }
 
 std::string range_text(const Entry& entry) {
   if (!entry.names.empty()) {
     return fmt::format("\"{}\"", fmt::join(entry.names, "\" or \""));
   }
-  if (std::holds_alternative<bool>(entry.get())) {
+  if (std::holds_alternative<bool>(entry.get()) || is_text(entry)) {
     return {};
   }
   return fmt::format("{} to {}", bound_text(entry.min), bound_text(entry.max));
@@ -84,13 +95,14 @@ std::string expectation(const Entry& entry) {
   if (meaning.size() > 1 && std::islower(static_cast<unsigned char>(meaning[1])) != 0) {
     meaning[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(meaning[0])));
   }
-  const std::string form = fmt::format(fmt::runtime(kForms[entry.get().index()]), range_text(entry));
+  const std::string form = is_text(entry) ? fmt::format("a text of one line, at most {} bytes", kTextMaxBytes)
+                                          : fmt::format(fmt::runtime(kForms[entry.get().index()]), range_text(entry));
   return fmt::format("{} ({})", form, meaning);
 }
 
 std::string_view kind_name(const Entry& entry) {
   constexpr std::array<std::string_view, 4> kNames{"number", "integer", "boolean", "choice"};
-  return kNames[entry.get().index()];
+  return is_text(entry) ? "text" : kNames[entry.get().index()];
 }
 
 std::string_view nearest_key(std::string_view key, std::span<const Entry> entries) {

@@ -86,7 +86,8 @@ class Loader {
 
   static bool in_range(const Entry& entry, const Entry::Value& value) {
     if (const auto* const name = std::get_if<std::string>(&value)) {
-      return std::find(entry.names.begin(), entry.names.end(), *name) != entry.names.end();
+      return entry.names.empty() ? is_parameter_text(*name)
+                                 : std::find(entry.names.begin(), entry.names.end(), *name) != entry.names.end();
     }
     // Both comparisons are false for NaN, and infinity is beyond every range.
     return std::holds_alternative<bool>(value) || (value >= entry.min && value <= entry.max);

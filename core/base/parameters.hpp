@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string_view>
 #include <type_traits>
 
 namespace odoless {
@@ -15,6 +16,19 @@ struct Range {
 template <class T>
 Range(T, T) -> Range<T>;  // clang 14 does not deduce aggregates by itself
 
+/// Longest text of a parameter: a path or an address is shorter.
+inline constexpr std::size_t kTextMaxBytes = 1024;
+
+/// Whether a text can be a parameter: one line, not too long. Anything else is a mistake or an attack.
+[[nodiscard]] constexpr bool is_parameter_text(std::string_view text) {
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      return false;
+    }
+  }
+  return text.size() <= kTextMaxBytes;
+}
+
 /// How parameter structs describe themselves. Each struct `FooParams` keeps its defaults as member initialisers and has
 ///
 ///   template <class Self, class Visitor>
@@ -22,12 +36,14 @@ Range(T, T) -> Range<T>;  // clang 14 does not deduce aggregates by itself
 ///     visit.value("cell_size_m", self.cell_size_m, Range{0.1, 20.0}, "Side of an NDT cell.");
 ///     visit.flag("refine", self.refine, "Whether a Newton step ends the search.");
 ///     visit.choice("strategy", self.strategy, kStrategyNames, "Mutation of Differential Evolution.");
+///     visit.text("device", self.device, "Path of the laser's serial port.");
 ///     visit.group("grid", self.grid, "The map's grid.");
 ///   }
 ///
 /// `Self` is the struct or its const form. A value is double, int or std::int64_t; its name ends in its unit.
 /// Configuration files show _rad as _deg and _ns as _ms. A choice is an enumeration that counts from 0, with one name
-/// per enumerator. From this one description come the TOML reader and writer, the range checks and the reference page.
+/// per enumerator. A text is a std::string of one line. From this one description come the TOML reader and writer, the
+/// range checks and the reference page.
 template <class Params>
 [[nodiscard]] bool parameters_in_range(const Params& params);
 
@@ -44,6 +60,7 @@ class RangeChecker {
   void choice(const char*, const Enum& value, std::span<const char* const> names, const char*) {
     ok_ = ok_ && static_cast<std::size_t>(value) < names.size();
   }
+  void text(const char*, std::string_view value, const char*) { ok_ = ok_ && is_parameter_text(value); }
   template <class Group>
   void group(const char*, const Group& group, const char*) {
     Group::describe(group, *this);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <numbers>
+#include <string>
 
 #include "core/base/parameters.hpp"
 
@@ -32,6 +33,7 @@ struct ExampleParams {
   std::int64_t seed = 1;
   bool refine = true;
   ExampleColour colour = ExampleColour::kGreen;
+  std::string device = "/dev/laser";
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -41,6 +43,7 @@ struct ExampleParams {
     visit.value("seed", self.seed, Range<std::int64_t>{0, INT64_MAX}, "Where chance starts.");
     visit.flag("refine", self.refine, "Whether a Newton step ends the search.");
     visit.choice("colour", self.colour, kExampleColourNames, "NDT's colour.");
+    visit.text("device", self.device, "Path of the laser.");
   }
 };
 

@@ -41,6 +41,7 @@ particles = 7
 seed = 9223372036854775807
 refine = false
 colour = "blue"
+device = "udpm://239.255.76.67:7667"
 inner.yaw_max_deg = 90
 inner.period_ms = 12.5
 )")
@@ -50,6 +51,7 @@ inner.period_ms = 12.5
   EXPECT_EQ(params.seed, INT64_MAX);
   EXPECT_FALSE(params.refine);
   EXPECT_EQ(params.colour, ExampleColour::kBlue);
+  EXPECT_EQ(params.device, "udpm://239.255.76.67:7667");
   EXPECT_DOUBLE_EQ(params.inner.yaw_max_rad, std::numbers::pi / 2.0);
   EXPECT_EQ(params.inner.period_ns, 12'500'000);
 }
@@ -119,6 +121,11 @@ INSTANTIATE_TEST_SUITE_P(
                 "key 'matcher.colour' = 'mauve': must be \"red\" or \"green\" or \"blue\" (NDT's colour)"},
         Mistake{"matcher.colour = 1",
                 "key 'matcher.colour' = 1: must be \"red\" or \"green\" or \"blue\" (NDT's colour)"},
+        Mistake{"matcher.device = 1",
+                "key 'matcher.device' = 1: must be a text of one line, at most 1024 bytes (path of the laser)"},
+        Mistake{
+            R"(matcher.device = "a\u007F")",
+            R"(key 'matcher.device' = "a\u007F": must be a text of one line, at most 1024 bytes (path of the laser))"},
         Mistake{"matcher = 3", "key 'matcher' = 3: must be a table, [matcher]"},
         Mistake{"matcher.inner = 'x'", "key 'matcher.inner' = 'x': must be a table, [matcher.inner]"}));
 
@@ -159,7 +166,7 @@ TEST(ParseParameters, RefusesDeepNestingWithoutHarm) {
 TEST(ParseParameters, RefusesAWrongTypeOfEveryKey) {
   ExampleOuterParams params;
   const std::vector<Entry> entries = entries_of(params);
-  ASSERT_EQ(entries.size(), 8U);
+  ASSERT_EQ(entries.size(), 9U);
   for (const Entry& entry : entries) {
     EXPECT_THAT(problems_of(entry.key + " = 1979-05-27"),
                 ElementsAre(HasSubstr("key '" + entry.key + "' = 1979-05-27: must be ")));

@@ -25,6 +25,8 @@ seed = 1
 refine = true
 # NDT's colour. Range: "red" or "green" or "blue"
 colour = "green"
+# Path of the laser.
+device = "/dev/laser"
 
 [matcher.inner]
 # Widest turn searched. Range: 0 to 180
@@ -49,6 +51,7 @@ void expect_equal(const ExampleParams& a, const ExampleParams& b) {
   RC_ASSERT(a.seed == b.seed);
   RC_ASSERT(a.refine == b.refine);
   RC_ASSERT(a.colour == b.colour);
+  RC_ASSERT(a.device == b.device);
   RC_ASSERT(a.inner.gain == b.inner.gain);
   RC_ASSERT(a.inner.period_ns == b.inner.period_ns);
 }
@@ -65,6 +68,7 @@ ExampleParams arbitrary_params() {
   params.seed = *rc::gen::suchThat<std::int64_t>([](std::int64_t seed) { return seed >= 0; });
   params.refine = *rc::gen::arbitrary<bool>();
   params.colour = static_cast<ExampleColour>(*rc::gen::inRange(0, 3));
+  params.device = *rc::gen::container<std::string>(rc::gen::inRange<char>(' ', '~'));
   params.inner.gain = real_within(0.0, 1.0);
   params.inner.yaw_max_rad = real_within(0.0, 3.14);
   params.inner.period_ns = *rc::gen::inRange<std::int64_t>(1, 10'000'000'001);
@@ -110,7 +114,7 @@ TEST(WriteReference, HasOneRowPerKey) {
   EXPECT_THAT(page,
               HasSubstr("| `matcher.refine` | boolean | true |  |  | Whether a Newton step ends the search. |\n"));
   EXPECT_THAT(page, HasSubstr("Share of a \\| that is kept."));
-  EXPECT_EQ(std::count(page.begin(), page.end(), '\n'), 2 + 8);
+  EXPECT_EQ(std::count(page.begin(), page.end(), '\n'), 2 + 9);
 }
 
 }  // namespace

@@ -28,6 +28,14 @@ class ParameterOptions {
     }
   }
 
+  void text(const std::string& name, std::string& value, const char* sentence) {
+    command_.add_option(dashed(name), value, sentence)
+        ->check([](const std::string& given) {
+          return is_parameter_text(given) ? std::string() : std::string("must be one line, and not too long");
+        })
+        ->capture_default_str();
+  }
+
   void flag(const std::string& name, bool& value, const char* sentence) {
     command_.add_flag(dashed(name), value, sentence);
   }
