@@ -28,6 +28,36 @@ const char* describe(Errc error) {
       return "the message is of another type";
     case Errc::kBadNumber:
       return "a number in the message is not finite or out of its range";
+    case Errc::kDeviceMissing:
+      return "there is no such device, or it is unplugged";
+    case Errc::kDeviceBusy:
+      return "another process uses the device";
+    case Errc::kDeviceDenied:
+      return "this user may not use the device";
+    case Errc::kDeviceFailed:
+      return "the device could not be opened or set up";
+    case Errc::kNotSerial:
+      return "the path is no serial line";
+    case Errc::kBaudRefused:
+      return "the serial line cannot have that rate";
+    case Errc::kFrameTooLong:
+      return "a reply is longer than any that was asked for";
+    case Errc::kFrameTruncated:
+      return "a reply has too few lines or values";
+    case Errc::kFrameMalformed:
+      return "a reply has a byte, a line or a number that its protocol doesn't know";
+    case Errc::kWrongSum:
+      return "a check sum doesn't match";
+    case Errc::kWrongEcho:
+      return "a reply to something that wasn't asked";
+    case Errc::kWrongCount:
+      return "a scan has more or fewer beams than were asked for";
+    case Errc::kImplausibleStamp:
+      return "the device's own clock says what cannot be";
+    case Errc::kDeviceStatus:
+      return "the device answered with an error status";
+    case Errc::kDeviceSilent:
+      return "the device doesn't answer, or has stopped sending";
   }
   return "unknown error";
 }

@@ -21,6 +21,23 @@ enum class Errc {
   kMalformed,      ///< a message doesn't follow its format
   kUnknownType,    ///< a message is of another type than expected
   kBadNumber,      ///< a number in a message is not finite, or out of its range
+
+  kDeviceMissing,  ///< no such device, or it is unplugged
+  kDeviceBusy,     ///< another process uses the device
+  kDeviceDenied,   ///< this user may not use the device
+  kDeviceFailed,   ///< the device could not be opened or set up
+  kNotSerial,      ///< the path is no serial line
+  kBaudRefused,    ///< the line cannot have that rate
+
+  kFrameTooLong,      ///< a reply is longer than any that was asked for
+  kFrameTruncated,    ///< a reply has too few lines or values
+  kFrameMalformed,    ///< a reply has a byte, a line or a number that its protocol doesn't know
+  kWrongSum,          ///< a check sum doesn't match
+  kWrongEcho,         ///< a reply to something that wasn't asked
+  kWrongCount,        ///< a scan has more or fewer beams than were asked for
+  kImplausibleStamp,  ///< the device's own clock says what cannot be
+  kDeviceStatus,      ///< the device answered with an error status
+  kDeviceSilent,      ///< the device doesn't answer, or has stopped sending
 };
 
 /// One sentence for a person.
@@ -38,6 +55,11 @@ class [[nodiscard]] Result {
   [[nodiscard]] const T& value() const {
     ODOLESS_CHECK(ok());
     return *std::get_if<T>(&state_);
+  }
+  /// Moves the value out.
+  [[nodiscard]] T take() {
+    ODOLESS_CHECK(ok());
+    return std::move(*std::get_if<T>(&state_));
   }
 
  private:

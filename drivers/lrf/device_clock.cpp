@@ -1,0 +1,165 @@
+#include "drivers/lrf/device_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odoless {
+namespace {
+
+constexpr std::int64_t kWrapMs = 1 << 24;
+constexpr std::int64_t kNsPerMs = 1'000'000;
+constexpr double kResolutionS = 1e-3;
+constexpr double kDriftRatioMax = 1.2e-3;
+constexpr double kBucketS = 0.25;
+constexpr double kSpanForDriftS = 2.0;
+constexpr double kEarlyMaxS = 0.02;  ///< more than the jitter that the first stamps may have had
+constexpr double kLateMaxS = 0.5;
+constexpr double kSameResetS = 0.05;
+constexpr int kConfirmations = 3;
+
+/// Nearest to 0 of all numbers that differ by whole wraps.
+std::int64_t wrapped(std::int64_t difference_ms) {
+  const std::int64_t rest_ms = ((difference_ms % kWrapMs) + kWrapMs) % kWrapMs;
+  return rest_ms >= kWrapMs / 2 ? rest_ms - kWrapMs : rest_ms;
+}
+
+std::int64_t to_ns(double seconds) { return std::llround(seconds * 1e9); }
+
+}  // namespace
+
+void DeviceClock::start(std::int64_t period_ns, std::int64_t delay_ns) {
+  period_s_ = static_cast<double>(period_ns) * 1e-9;
+  delay_ns_ = delay_ns;
+  fresh_ = true;
+  standing_still_ = 0;
+  suspects_ = 0;
+}
+
+void DeviceClock::restart(std::uint32_t device_ms, std::int64_t arrival_ns) {
+  device_origin_ms_ = device_ms;
+  host_origin_ns_ = arrival_ns - delay_ns_;
+  last_device_ms_ = device_ms;
+  last_arrival_ns_ = arrival_ns;
+  offset_s_ = 0.0;
+  drift_ratio_ = 0.0;
+  count_ = 0;
+  started_ = true;
+}
+
+std::int64_t DeviceClock::unwrapped_ms(std::uint32_t device_ms, std::int64_t arrival_ns) const {
+  const std::int64_t expected_ms = last_device_ms_ + (arrival_ns - last_arrival_ns_) / kNsPerMs;
+  return expected_ms + wrapped(static_cast<std::int64_t>(device_ms) - expected_ms);
+}
+
+DeviceClock::Sample DeviceClock::sample(std::int64_t device_ms, std::int64_t arrival_ns) const {
+  const double device_s = static_cast<double>(device_ms - device_origin_ms_) * kResolutionS;
+  const double host_s = static_cast<double>(arrival_ns - delay_ns_ - host_origin_ns_) * 1e-9;
+  return {device_s, host_s - device_s};
+}
+
+double DeviceClock::late_s(const Sample& sample) const {
+  return sample.offset_s - (offset_s_ + drift_ratio_ * sample.device_s);
+}
+
+// A scan that waited in a buffer while this process was held up is late, but its stamp follows the one before.
+bool DeviceClock::plausible(const Sample& sample) const {
+  const double step_s = sample.device_s - static_cast<double>(last_device_ms_ - device_origin_ms_) * kResolutionS;
+  const bool follows = step_s > period_s_ / 2.0 && (step_s < 1.0 || late_s(sample) < kLateMaxS);
+  return follows && late_s(sample) > -kEarlyMaxS;
+}
+
+bool DeviceClock::confirmed_reset(const Sample& sample) {
+  const bool same = suspects_ > 0 && std::abs(sample.offset_s - suspect_offset_s_) < kSameResetS;
+  suspects_ = same ? suspects_ + 1 : 1;
+  suspect_offset_s_ = sample.offset_s;
+  return fresh_ || suspects_ >= kConfirmations;
+}
+
+void DeviceClock::learn(const Sample& sample) {
+  const auto bucket = [](const Sample& s) { return std::floor(s.device_s / kBucketS); };
+  Sample& last = earliest_[static_cast<std::size_t>((first_ + count_ + kBuckets - 1) % kBuckets)];
+  if (count_ > 0 && bucket(last) == bucket(sample)) {
+    if (late_s(sample) < late_s(last)) {
+      last = sample;
+    }
+    return;
+  }
+  first_ = count_ == kBuckets ? (first_ + 1) % kBuckets : first_;
+  count_ = std::min(count_ + 1, kBuckets);
+  earliest_[static_cast<std::size_t>((first_ + count_ - 1) % kBuckets)] = sample;
+}
+
+// The lower convex hull from left to right (Andrew's monotone chain); then its edge below the mean.
+void DeviceClock::fit() {
+  std::array<Sample, kBuckets> hull;
+  int corners = 0;
+  double mean_s = 0.0;
+  const auto corner = [&](int i) -> Sample& { return hull[static_cast<std::size_t>(i)]; };
+  for (int i = 0; i < count_; ++i) {
+    const Sample& next = earliest_[static_cast<std::size_t>((first_ + i) % kBuckets)];
+    mean_s += next.device_s / count_;
+    const auto turns_left = [&](const Sample& a, const Sample& b) {
+      return (b.device_s - a.device_s) * (next.offset_s - a.offset_s) >
+             (b.offset_s - a.offset_s) * (next.device_s - a.device_s);
+    };
+    while (corners >= 2 && !turns_left(corner(corners - 2), corner(corners - 1))) {
+      --corners;
+    }
+    corner(corners++) = next;
+  }
+  drift_ratio_ = 0.0;
+  if (corner(corners - 1).device_s - corner(0).device_s > kSpanForDriftS) {
+    int right = 1;
+    while (corner(right).device_s < mean_s) {
+      ++right;
+    }
+    const Sample& a = corner(right - 1);
+    const Sample& b = corner(right);
+    drift_ratio_ = std::clamp((b.offset_s - a.offset_s) / (b.device_s - a.device_s), -kDriftRatioMax, kDriftRatioMax);
+  }
+  offset_s_ = corner(0).offset_s - drift_ratio_ * corner(0).device_s;
+  for (int i = 1; i < corners; ++i) {
+    offset_s_ = std::min(offset_s_, corner(i).offset_s - drift_ratio_ * corner(i).device_s);
+  }
+}
+
+std::int64_t DeviceClock::in_order(std::int64_t stamp_ns) {
+  const std::int64_t whole_us = stamp_ns / 1000;
+  last_stamp_ns_ = std::max(whole_us * 1000, last_stamp_ns_ + 1000);
+  return last_stamp_ns_;
+}
+
+Result<std::int64_t> DeviceClock::host_ns(std::uint32_t device_ms, std::int64_t arrival_ns) {
+  const bool first = !started_;
+  if (!first && !fresh_ && device_ms == last_counter_ms_) {
+    if (++standing_still_ < kConfirmations) {
+      return Errc::kImplausibleStamp;
+    }
+    return in_order(arrival_ns - delay_ns_);
+  }
+  standing_still_ = 0;
+  last_counter_ms_ = device_ms;
+  if (first) {
+    restart(device_ms, arrival_ns);
+  }
+  Sample now = sample(unwrapped_ms(device_ms, arrival_ns), arrival_ns);
+  if (!first && !plausible(now)) {
+    if (!confirmed_reset(now)) {
+      return Errc::kImplausibleStamp;
+    }
+    ++resets_;
+    restart(device_ms, arrival_ns);
+    now = sample(device_ms, arrival_ns);
+  }
+  fresh_ = false;
+  suspects_ = 0;
+  last_device_ms_ = device_origin_ms_ + std::llround(now.device_s / kResolutionS);
+  last_arrival_ns_ = arrival_ns;
+  learn(now);
+  fit();
+  // The counter is cut to whole milliseconds, and the envelope lies below by as much as the least that was cut off.
+  const double host_s = now.device_s + offset_s_ + drift_ratio_ * now.device_s + kResolutionS / 2.0;
+  return in_order(std::min(host_origin_ns_ + to_ns(host_s), arrival_ns - delay_ns_));
+}
+
+}  // namespace odoless

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/base/result.hpp"
+
+namespace odoless {
+
+/// Puts a laser's own millisecond counter on the host's clock: host = offset + (1 + drift) * device.
+///
+/// Bytes only ever arrive late, never early, so the line is the lower envelope of the arrivals of the last 16 s: the
+/// edge of their lower convex hull below their mean [moon1999skew], at most 0.12 % of drift. With 5 ms of jitter it is
+/// within 1 ms of the truth after 10 s, half of which is the counter's resolution.
+///
+/// Tracks the wrap of the counter's 24 bits. A counter that starts anew (reset, reboot) is seen after three stamps,
+/// one that stands still likewise; then the stamp is the arrival less the delay, so that the host's stamps never jump.
+///
+/// Thread: one thread. Real time: no allocation; at most 64 steps per call.
+class DeviceClock {
+ public:
+  /// @param period_ns  From stamp to stamp.
+  /// @param delay_ns   From the moment that a stamp tells to the arrival of its last byte, when nothing is late.
+  void start(std::int64_t period_ns, std::int64_t delay_ns);
+
+  /// The host's time of a device stamp: whole microseconds, and later than every one before.
+  ///
+  /// Errc::kImplausibleStamp: the stamp cannot be; nothing is learned from it.
+  [[nodiscard]] Result<std::int64_t> host_ns(std::uint32_t device_ms, std::int64_t arrival_ns);
+
+  /// Times that the counter was seen to start anew.
+  [[nodiscard]] std::uint64_t resets() const { return resets_; }
+
+ private:
+  static constexpr int kBuckets = 64;
+
+  /// One arrival: when it was by the device's clock since `device_origin_ms_`, and how far the host's clock was ahead
+  /// of that, less the delay, since `host_origin_ns_`.
+  struct Sample {
+    double device_s = 0.0;
+    double offset_s = 0.0;
+  };
+
+  void restart(std::uint32_t device_ms, std::int64_t arrival_ns);
+  [[nodiscard]] std::int64_t unwrapped_ms(std::uint32_t device_ms, std::int64_t arrival_ns) const;
+  [[nodiscard]] Sample sample(std::int64_t device_ms, std::int64_t arrival_ns) const;
+  [[nodiscard]] double late_s(const Sample& sample) const;
+  [[nodiscard]] bool plausible(const Sample& sample) const;
+  [[nodiscard]] bool confirmed_reset(const Sample& sample);
+  void learn(const Sample& sample);
+  void fit();
+  [[nodiscard]] std::int64_t in_order(std::int64_t stamp_ns);
+
+  double period_s_ = 0.0;
+  std::int64_t delay_ns_ = 0;
+
+  bool started_ = false;  ///< an origin is set
+  bool fresh_ = true;     ///< the stream is new: what doesn't fit the line starts a new one at once
+  std::int64_t device_origin_ms_ = 0;
+  std::int64_t host_origin_ns_ = 0;
+  std::int64_t last_device_ms_ = 0;  ///< unwrapped
+  std::int64_t last_arrival_ns_ = 0;
+  std::int64_t last_stamp_ns_ = 0;
+
+  std::uint32_t last_counter_ms_ = 0;  ///< as sent, plausible or not
+  int standing_still_ = 0;
+  int suspects_ = 0;
+  double suspect_offset_s_ = 0.0;
+  std::uint64_t resets_ = 0;
+
+  double offset_s_ = 0.0;
+  double drift_ratio_ = 0.0;
+  std::array<Sample, kBuckets> earliest_{};  ///< per quarter of a second, the one that was least late; a ring
+  int first_ = 0;
+  int count_ = 0;
+};
+
+}  // namespace odoless

@@ -1,0 +1,133 @@
+#include "drivers/lrf/scip/scan_stream.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace odoless::scip {
+namespace {
+
+constexpr double kBitsPerByte = 10.0;  ///< with start and stop bit
+
+double to_float_precision(double value) { return static_cast<double>(static_cast<float>(value)); }
+
+const char* command(LrfReading reading) {
+  switch (reading) {
+    case LrfReading::kShortRange:
+      return "MS";
+    case LrfReading::kRangeIntensity:
+      return "ME";
+    case LrfReading::kRange:
+      break;
+  }
+  return "MD";
+}
+
+int beams_of(const Parameters& device, int cluster) {
+  return (device.last_step - device.first_step + cluster) / cluster;
+}
+
+std::int64_t turn_ns(const Parameters& device) { return 60'000'000'000 / device.turns_per_minute; }
+
+/// Time that the mirror takes from step 0.
+std::int64_t time_to_step_ns(const Parameters& device, int step) {
+  return turn_ns(device) * step / device.steps_per_turn;
+}
+
+std::int64_t transfer_ns(const ScanFormat& format, int line_baud) {
+  constexpr double kHeadBytes = 27.0;
+  constexpr double kBytesPerCharacter = 66.0 / 64.0;  // of each line, the sum and its end
+  const int characters = format.beams * format.values_per_beam * format.characters_per_value;
+  return line_baud == 0 ? 0
+                        : std::llround((kHeadBytes + kBytesPerCharacter * characters) * kBitsPerByte / line_baud * 1e9);
+}
+
+}  // namespace
+
+ScanStream::ScanStream(const LrfParams& params, int beams_max)
+    : params_(params),
+      ranges_mm_(static_cast<std::size_t>(beams_max)),
+      last_ranges_mm_(static_cast<std::size_t>(beams_max)),
+      ranges_m_(static_cast<std::size_t>(beams_max)) {}
+
+Errc ScanStream::configure(const Parameters& device, int line_baud) {
+  const int beams = beams_of(device, params_.cluster);
+  if (beams > static_cast<int>(ranges_m_.size())) {
+    return Errc::kTooManyBeams;
+  }
+  const double step_rad = 2.0 * std::numbers::pi / device.steps_per_turn;
+  const double first_step = device.first_step + (params_.cluster - 1) / 2.0 - device.front_step;
+  geometry_ = {.beams = beams,
+               .start_angle_rad = to_float_precision(first_step * step_rad),
+               .angle_step_rad = to_float_precision(params_.cluster * step_rad),
+               .range_min_m = device.range_min_mm * 1e-3,
+               .range_max_m = device.range_max_mm * 1e-3,
+               .period_ns = (params_.skip + 1) * turn_ns(device)};
+  const bool is_short = params_.reading == LrfReading::kShortRange;
+  range_min_mm_ = static_cast<std::uint32_t>(device.range_min_mm);
+  range_far_mm_ = std::min(static_cast<std::uint32_t>(device.range_max_mm), is_short ? 4095U : ~0U);
+  far_code_ = device.is_urg ? 0 : 1;
+  write_request(device);
+  format_ = {.echo = echo(),
+             .characters_per_value = is_short ? 2 : 3,
+             .values_per_beam = params_.reading == LrfReading::kRangeIntensity ? 2 : 1,
+             .beams = beams};
+  first_beam_delay_ns_ = time_to_step_ns(device, device.first_step) / 1000 * 1000;
+  clock_.start(geometry_.period_ns, time_to_step_ns(device, device.last_step) + transfer_ns(format_, line_baud));
+  identical_run_ = 0;
+  return Errc::kOk;
+}
+
+void ScanStream::write_request(const Parameters& device) {
+  request_size_ = 0;
+  const auto put = [&](char c) { request_[request_size_++] = c; };
+  const auto put_number = [&](int number, int unit) {
+    for (; unit > 0; unit /= 10) {
+      put(static_cast<char>('0' + number / unit % 10));
+    }
+  };
+  const char* const name = command(params_.reading);
+  put(name[0]);
+  put(name[1]);
+  put_number(device.first_step, 1000);
+  put_number(device.last_step, 1000);
+  put_number(params_.cluster, 10);
+  put_number(params_.skip, 1);
+  put_number(0, 10);
+  put('\n');
+}
+
+float ScanStream::range_m(std::uint32_t range_mm) const {
+  if (range_mm >= range_far_mm_) {
+    return std::numeric_limits<float>::infinity();
+  }
+  if (range_mm < range_min_mm_) {
+    return range_mm == far_code_ ? std::numeric_limits<float>::infinity() : 0.0F;
+  }
+  return static_cast<float>(range_mm * 1e-3);
+}
+
+Result<LrfScan> ScanStream::scan(const Reply& reply, std::int64_t arrival_ns) {
+  const Result<RawFrame> frame = scan_of(reply, format_, ranges_mm_);
+  if (!frame.ok()) {
+    return frame.error();
+  }
+  const Result<std::int64_t> stamp_ns = clock_.host_ns(frame.value().stamp_ms, arrival_ns);
+  if (!stamp_ns.ok()) {
+    return stamp_ns.error();
+  }
+  const auto beams = static_cast<std::size_t>(geometry_.beams);
+  std::transform(ranges_mm_.begin(), ranges_mm_.begin() + geometry_.beams, ranges_m_.begin(),
+                 [&](std::uint32_t range_mm) { return range_m(range_mm); });
+  const bool identical = std::equal(ranges_mm_.begin(), ranges_mm_.begin() + geometry_.beams, last_ranges_mm_.begin());
+  identical_run_ = identical ? identical_run_ + 1 : 0;
+  ranges_mm_.swap(last_ranges_mm_);
+  return LrfScan{.stamp_ns = stamp_ns.value() + first_beam_delay_ns_,
+                 .arrival_ns = arrival_ns,
+                 .start_angle_rad = geometry_.start_angle_rad,
+                 .angle_step_rad = geometry_.angle_step_rad,
+                 .ranges_m = {ranges_m_.data(), beams}};
+}
+
+}  // namespace odoless::scip
