@@ -14,8 +14,8 @@ bool is_finite(const Pose2& pose) {
   return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.yaw_rad);
 }
 
-int index_of_highest(const std::vector<double>& weights, int count) {
-  return static_cast<int>(std::distance(weights.begin(), std::max_element(weights.begin(), weights.begin() + count)));
+int index_of_highest(std::span<const double> weights) {
+  return static_cast<int>(std::distance(weights.begin(), std::max_element(weights.begin(), weights.end())));
 }
 
 }  // namespace
@@ -26,7 +26,8 @@ Lslam::Lslam(const LslamParams& params, std::uint64_t seed)
       model_(params.beam, params.grid.resolution_m),
       grid_(params.grid, params.particles),
       paths_(std::max(params.path_records_max, 16 * params.particles), params.particles),
-      rng_(seed) {
+      rng_(seed),
+      wanted_particles_(params.particles) {
   ODOLESS_CHECK(parameters_in_range(params));
   const auto particles = static_cast<std::size_t>(params.particles);
   poses_.resize(particles);
@@ -52,6 +53,11 @@ void Lslam::reset(const Pose2& map_T_scan) {
   started_ = pool_was_full_ = false;
 }
 
+void Lslam::set_particles(int wanted) {
+  ODOLESS_CHECK(wanted >= 1 && wanted <= params_.particles);
+  wanted_particles_ = wanted;
+}
+
 UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& scan) {
   UpdateReport report;
   const AncestryGrid::Counters before = grid_.counters();
@@ -61,15 +67,14 @@ UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& sc
     weigh(scan, report);
     report.resampled = select_survivors(report);
   } else {
-    copies_[0] = params_.particles;
+    copies_[0] = wanted_particles_;
     report.effective_particles = 1.0;
     report.resampled = started_ = true;
   }
   paths_.next_update();
   if (report.resampled) {
-    const std::span<const int> copies = std::span(copies_).first(static_cast<std::size_t>(particles()));
-    grid_.retain(copies);
-    paths_.retain(copies);
+    grid_.retain(living(copies_));
+    paths_.retain(living(copies_));
   }
   map_scan(scan, report.resampled);
   if (report.resampled) {
@@ -94,7 +99,7 @@ void Lslam::move(const MotionIncrement& increment, UpdateReport& report) {
   ODOLESS_CHECK(is_finite(increment.previous_T_current));
   const AxisDeviations match{increment.sd_x_m, increment.sd_y_m, increment.sd_yaw_rad};
   report.lambda_m = speed_.lambda_m(increment);
-  for (Pose2& pose : poses_) {
+  for (Pose2& pose : living(poses_)) {
     pose = motion_.sample(pose, increment.previous_T_current, report.lambda_m, match, rng_);
   }
   speed_.add(increment);
@@ -104,7 +109,7 @@ void Lslam::weigh(const ScanFrame& scan, UpdateReport& report) {
   select_beams(scan, params_.beams_used, params_.weigh_no_return, beams_);
   report.beams_weighed = static_cast<int>(beams_.size());
   if (!beams_.empty()) {
-    for (int particle = 0; particle < params_.particles; ++particle) {
+    for (int particle = 0; particle < particles(); ++particle) {
       const auto i = static_cast<std::size_t>(particle);
       const ScoredPose found = refined(particle, beams_);
       poses_[i] = found.pose;
@@ -112,9 +117,9 @@ void Lslam::weigh(const ScanFrame& scan, UpdateReport& report) {
       log_weights_[i] += params_.tempering * found.score;
     }
   }
-  normalise_weights(log_weights_, weights_);
-  best_ = index_of_highest(weights_, params_.particles);
-  report.effective_particles = odoless::effective_particles(weights_);
+  normalise_weights(living(log_weights_), living(weights_));
+  best_ = index_of_highest(living(weights_));
+  report.effective_particles = effective_particles();
   report.log_likelihood_per_beam =
       beams_.empty() ? 0.0 : scores_[static_cast<std::size_t>(best_)] / static_cast<double>(beams_.size());
 }
@@ -131,11 +136,11 @@ ScoredPose Lslam::refined(int particle, std::span<const Beam> beams) {
 /// Decides about a resampling; fills copies_ if there is one.
 bool Lslam::select_survivors(UpdateReport& report) {
   if (pool_was_full_) {
-    drop_weakest_half(weights_, scratch_);
-  } else if (report.effective_particles >= params_.resample_below * params_.particles) {
+    drop_weakest_half(living(weights_), living(scratch_));
+  } else if (report.effective_particles >= params_.resample_below * particles() && wanted_particles_ >= particles()) {
     return false;
   }
-  systematic_copies(weights_, params_.particles, rng_.uniform(), copies_);
+  systematic_copies(living(weights_), wanted_particles_, rng_.uniform(), living(copies_));
   return true;
 }
 
@@ -153,7 +158,7 @@ void Lslam::map_scan(const ScanFrame& scan, bool only_survivors) {
 
 /// Replaces every survivor by its copies, all of the same weight.
 void Lslam::multiply() {
-  const std::span<const int> copies = std::span(copies_).first(static_cast<std::size_t>(particles()));
+  const std::span<const int> copies = living(copies_);
   const int old_best = best_;
   old_poses_.swap(poses_);
   std::size_t next = 0;
@@ -163,11 +168,11 @@ void Lslam::multiply() {
     std::fill_n(poses_.begin() + static_cast<std::ptrdiff_t>(next), copies[i], old_poses_[i]);
     next += static_cast<std::size_t>(copies[i]);
   }
-  best_ = std::min(best_, params_.particles - 1);
+  best_ = std::min(best_, wanted_particles_ - 1);
   grid_.branch(copies);
   paths_.branch(copies);
   std::fill(log_weights_.begin(), log_weights_.end(), 0.0);
-  std::fill(weights_.begin(), weights_.end(), 1.0 / params_.particles);
+  std::fill(weights_.begin(), weights_.end(), 1.0 / particles());
 }
 
 void Lslam::count(const AncestryGrid::Counters& before, std::int64_t thinned_before, UpdateReport& report) {

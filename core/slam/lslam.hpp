@@ -64,7 +64,12 @@ class Lslam {
   /// @param increment  From the scan of the last update to this one; ignored in the first. Finite.
   [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan);
 
-  /// Particles: one before the first update, then `params.particles`.
+  /// How many particles there shall be, 1 to `params.particles`, which is what there is until somebody asks. Fewer come
+  /// with the next update, which then resamples; more with the next resampling that the weights ask for. A replay that
+  /// asks for the same before the same updates gives the same bits.
+  void set_particles(int wanted);
+
+  /// Particles: one before the first update, then as many as were asked for.
   [[nodiscard]] int particles() const { return grid_.tree().particles(); }
   [[nodiscard]] const Pose2& pose(int particle) const { return poses_[static_cast<std::size_t>(particle)]; }
   /// Sum 1.
@@ -90,6 +95,10 @@ class Lslam {
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
+  template <class Value>
+  [[nodiscard]] std::span<Value> living(std::vector<Value>& values) const {
+    return std::span(values).first(static_cast<std::size_t>(particles()));
+  }
   void move(const MotionIncrement& increment, UpdateReport& report);
   void weigh(const ScanFrame& scan, UpdateReport& report);
   [[nodiscard]] ScoredPose refined(int particle, std::span<const Beam> beams);
@@ -113,6 +122,7 @@ class Lslam {
   std::vector<int> copies_;
   std::vector<int> scratch_;
   std::vector<Beam> beams_;
+  int wanted_particles_;
   int best_ = 0;
   bool started_ = false;
   bool pool_was_full_ = false;

@@ -28,6 +28,9 @@ class FilterStage {
 
   [[nodiscard]] FilterStep process(const ScanFrame& scan, const OdometryStep& step);
 
+  /// For a live filter that must keep its time; a replay runs with all (Lslam::set_particles).
+  void set_particles(int wanted) { filter_.set_particles(wanted); }
+
   [[nodiscard]] Lslam& filter() { return filter_; }
 
  private:

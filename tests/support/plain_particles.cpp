@@ -32,12 +32,13 @@ PlainParticles::PlainParticles(const LslamParams& params, std::uint64_t seed)
             .rows = whole_tiles_cells(params.grid.height_m / params.grid.resolution_m)},
       motion_(params.motion),
       model_(params.beam, params.grid.resolution_m),
-      rng_(seed) {
+      rng_(seed),
+      wanted_particles_(static_cast<std::size_t>(params.particles)) {
   particles_.push_back(Particle{{}, 0.0, PlainMap(grid_), {}});
 }
 
 void PlainParticles::update(const MotionIncrement& increment, const ScanFrame& scan) {
-  std::vector<int> copies(particles_.size(), params_.particles);
+  std::vector<int> copies(particles_.size(), static_cast<int>(wanted_particles_));
   resampled_ = true;
   if (started_) {
     const double lambda_m = speed_.lambda_m(increment);
@@ -54,9 +55,10 @@ void PlainParticles::update(const MotionIncrement& increment, const ScanFrame& s
       log_weights.push_back(particle.log_weight);
     }
     normalise_weights(log_weights, weights_);
-    resampled_ = effective_particles(weights_) < params_.resample_below * params_.particles;
+    resampled_ = effective_particles(weights_) < params_.resample_below * static_cast<double>(particles_.size()) ||
+                 wanted_particles_ < particles_.size();
     if (resampled_) {
-      systematic_copies(weights_, params_.particles, rng_.uniform(), copies);
+      systematic_copies(weights_, static_cast<int>(wanted_particles_), rng_.uniform(), copies);
     }
   }
   for (Particle& particle : particles_) {
@@ -92,7 +94,7 @@ void PlainParticles::resample(const std::vector<int>& copies) {
     next.insert(next.end(), static_cast<std::size_t>(copies[i]), particles_[i]);
   }
   particles_ = std::move(next);
-  weights_.assign(particles_.size(), 1.0 / params_.particles);
+  weights_.assign(particles_.size(), 1.0 / static_cast<double>(particles_.size()));
 }
 
 }  // namespace odoless

@@ -27,6 +27,7 @@ class PlainParticles {
  public:
   PlainParticles(const LslamParams& params, std::uint64_t seed);
 
+  void set_particles(int wanted) { wanted_particles_ = static_cast<std::size_t>(wanted); }
   void update(const MotionIncrement& increment, const ScanFrame& scan);
 
   struct Particle {
@@ -53,6 +54,7 @@ class PlainParticles {
   Rng rng_;
   std::vector<Particle> particles_;
   std::vector<double> weights_;
+  std::size_t wanted_particles_;
   bool started_ = false;
   bool resampled_ = false;
 };

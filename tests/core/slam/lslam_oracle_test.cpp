@@ -46,6 +46,7 @@ struct OracleCase {
   std::string name;
   LslamParams params;
   int resamplings_least;
+  std::vector<int> wanted_particles{};  ///< by turns, each for 10 updates; none: all
 
   friend void PrintTo(const OracleCase& oracle_case, std::ostream* out) { *out << oracle_case.name; }
 };
@@ -60,12 +61,18 @@ TEST_P(LslamOracle, GivesTheBitsOfParticlesThatEachCopyTheirMap) {
   int resamplings = 0;
   for (int update = 0; update < 60; ++update) {
     room.step();
+    if (!GetParam().wanted_particles.empty()) {
+      const std::size_t turn = static_cast<std::size_t>(update) / 10;
+      const int wanted = GetParam().wanted_particles[turn % GetParam().wanted_particles.size()];
+      lslam.set_particles(wanted);
+      plain.set_particles(wanted);
+    }
     const UpdateReport report = lslam.update(room.increment(), room.scan());
     plain.update(room.increment(), room.scan());
     ASSERT_EQ(report.resampled, plain.resampled());
     ASSERT_EQ(report.refused_tiles, 0);
     resamplings += report.resampled ? 1 : 0;
-    ASSERT_EQ(lslam.particles(), params.particles);
+    ASSERT_EQ(static_cast<std::size_t>(lslam.particles()), plain.particles().size());
     for (int i = 0; i < lslam.particles(); ++i) {
       const auto index = static_cast<std::size_t>(i);
       ASSERT_TRUE(same_pose(lslam.pose(i), plain.particles()[index].map_T_scan)) << update << ", particle " << i;
@@ -92,7 +99,8 @@ std::vector<OracleCase> oracle_cases() {
   refined.params.refine_steps = 3;
   refined.params.weigh_no_return = true;
   refined.params.free_no_return_m = 2.0;
-  return {often, always, rarely, one, refined};
+  OracleCase changing{"ChangesTheirNumber", small_filter(), 5, {24, 7, 1, 16}};
+  return {often, always, rarely, one, refined, changing};
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LslamOracle, ::testing::ValuesIn(oracle_cases()),

@@ -109,6 +109,29 @@ TEST(Lslam, HasWeightsOfSumOneAndNamesTheHeaviestBest) {
   }
 }
 
+/// Fewer are a relief that is needed now, more have time.
+TEST(Lslam, HasFewerParticlesAtOnceAndMoreWithTheNextResampling) {
+  LslamParams params = room_filter();
+  params.resample_below = 0.0;
+  Lslam lslam(params, 1);
+  SimulatedRoom room(4);
+  const auto particles_after = [&](int wanted) {
+    lslam.set_particles(wanted);
+    room.step();
+    static_cast<void>(lslam.update(room.increment(), room.scan()));
+    return lslam.particles();
+  };
+  EXPECT_EQ(particles_after(30), 30);
+  EXPECT_EQ(particles_after(9), 9);
+  EXPECT_EQ(particles_after(40), 9) << "nothing asked for a resampling";
+  EXPECT_EQ(particles_after(4), 4);
+  double sum = 0.0;
+  for (int i = 0; i < lslam.particles(); ++i) {
+    sum += lslam.weight(i);
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+}
+
 /// The best after a resampling is a copy of the heaviest before it: its path ends where the heaviest was.
 TEST(Lslam, KeepsTheBestThroughAResampling) {
   LslamParams never = room_filter();
