@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check.hpp"
 #include "core/grid/ancestry_grid.hpp"
 
 namespace odoless {
@@ -55,6 +56,28 @@ void AncestryGrid::write_occupancy(int particle, double rho_min_m, OccupancyMap&
       map.occupancy_percent.push_back(occupancy_percent(cells.at({x, y}), rho_min_parts));
     }
   }
+}
+
+bool AncestryGrid::write_square(int particle, double rho_min_m, GridCell corner, int side_cells,
+                                std::span<std::uint8_t> percent) {
+  ODOLESS_CHECK(percent.size() == static_cast<std::size_t>(side_cells) * static_cast<std::size_t>(side_cells));
+  constexpr int kStep_cells = kTileSide_cells / 2;  // the corner may lie in the middle of a tile
+  bool known = false;
+  for (int y = 0; y < side_cells && !known; y += kStep_cells) {
+    for (int x = 0; x < side_cells && !known; x += kStep_cells) {
+      const std::uint32_t tile = tile_of({corner.column() + x, corner.row() + y});
+      known = tile != kOutside && first_of_tile_[tile] != kNone && seen(tile, tree_.rank(particle)) != kBlank;
+    }
+  }
+  const auto rho_min_parts = static_cast<float>(rho_min_m / geometry_.resolution_m * Cell::kParts);
+  View cells = view(particle);
+  for (std::size_t i = 0; known && i < percent.size(); ++i) {
+    const auto column = static_cast<int>(i % static_cast<std::size_t>(side_cells));
+    const auto row = static_cast<int>(i / static_cast<std::size_t>(side_cells));
+    percent[i] = static_cast<std::uint8_t>(
+        occupancy_percent(cells.at({corner.column() + column, corner.row() + row}), rho_min_parts));
+  }
+  return known;
 }
 
 }  // namespace odoless

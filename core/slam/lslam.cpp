@@ -58,6 +58,11 @@ void Lslam::set_particles(int wanted) {
   wanted_particles_ = wanted;
 }
 
+void Lslam::set_pose(const Pose2& map_T_scan) {
+  ODOLESS_CHECK(is_finite(map_T_scan));
+  std::fill(poses_.begin(), poses_.end(), map_T_scan);
+}
+
 UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& scan) {
   UpdateReport report;
   const AncestryGrid::Counters before = grid_.counters();

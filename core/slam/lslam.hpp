@@ -61,6 +61,9 @@ class Lslam {
   /// Forgets everything but the generator's state; the next scan is taken from here.
   void reset(const Pose2& map_T_scan);
 
+  /// Puts every particle here; maps and paths stay.
+  void set_pose(const Pose2& map_T_scan);
+
   /// @param increment  From the scan of the last update to this one; ignored in the first. Finite.
   [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan);
 
@@ -84,6 +87,10 @@ class Lslam {
   [[nodiscard]] AncestryGrid::View map(int particle) { return grid_.view(particle); }
   /// The best particle's map. May allocate, in `map` alone.
   void write_occupancy(OccupancyMap& map) { grid_.write_occupancy(best_, params_.beam.rho_min_m, map); }
+  /// A square of the best particle's map: AncestryGrid::write_square.
+  [[nodiscard]] bool write_square(GridCell corner, int side_cells, std::span<std::uint8_t> percent) {
+    return grid_.write_square(best_, params_.beam.rho_min_m, corner, side_cells, percent);
+  }
   /// The best particle's poses, one per update, oldest first. May allocate, in `path` alone.
   void write_path(std::vector<StampedPose>& path) const { paths_.write_path(best_, path); }
 

@@ -22,8 +22,7 @@ class Outbox {
   template <class Record, class Element = std::byte>
   bool send(RecordType type, const Record& record, std::span<const Element> elements = {}) {
     static_assert(std::is_trivially_copyable_v<Record> && std::is_trivially_copyable_v<Element>);
-    const std::span<std::byte> room =
-        ring_.reserve(static_cast<std::uint32_t>(type), sizeof(Record) + elements.size_bytes());
+    const std::span<std::byte> room = reserve(type, sizeof(Record) + elements.size_bytes());
     if (room.empty()) {
       return false;
     }
@@ -34,6 +33,12 @@ class Outbox {
     ring_.commit();
     return true;
   }
+
+  /// Room to write a record in place, seen after `commit`; empty where there is none.
+  [[nodiscard]] std::span<std::byte> reserve(RecordType type, std::size_t size_bytes) {
+    return ring_.reserve(static_cast<std::uint32_t>(type), size_bytes);
+  }
+  void commit() { ring_.commit(); }
 
   [[nodiscard]] RecordRing& ring() { return ring_; }
   [[nodiscard]] const RecordRing& ring() const { return ring_; }

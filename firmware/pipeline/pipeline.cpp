@@ -41,9 +41,9 @@ Pipeline::Pipeline(const PipelineParams& params, const RobotParams& robot, bool 
       frame_bytes_(frame_bytes_of(robot.scan)) {}
 
 std::size_t Pipeline::memory_bytes() const {
-  return sizeof(*this) + static_cast<std::size_t>(pool.size()) * frame_bytes_ + motions.capacity() * sizeof(MotionMessage) +
-         sensor.outbox.ring().memory_bytes() + matcher.outbox.ring().memory_bytes() +
-         filter.outbox.ring().memory_bytes();
+  return sizeof(*this) + static_cast<std::size_t>(pool.size()) * frame_bytes_ +
+         motions.capacity() * sizeof(MotionMessage) + sensor.outbox.ring().memory_bytes() +
+         matcher.outbox.ring().memory_bytes() + filter.outbox.ring().memory_bytes();
 }
 
 }  // namespace odoless

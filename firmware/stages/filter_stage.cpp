@@ -34,7 +34,7 @@ MotionIncrement FilterStage::increment(std::int64_t stamp_ns) const {
 FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step) {
   compose(step);
   FilterStep out;
-  if (gate_is_open()) {
+  if (!paused_ && gate_is_open()) {
     out.report = filter_.update(increment(scan.stamp_ns()), scan);
     out.updated = true;
     started_ = true;
@@ -42,10 +42,32 @@ FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step)
     update_T_scan_ = Pose2{};
     covariance_.setZero();
   }
-  out.update_stamp_ns = update_stamp_ns_;
-  out.update_T_scan = update_T_scan_;
-  out.map_T_scan = filter_.pose(filter_.best()) * update_T_scan_;
-  return out;
+  return placed(out);
+}
+
+FilterStep FilterStage::process(const OdometryStep& step) {
+  compose(step);
+  return placed({});
+}
+
+FilterStep FilterStage::placed(FilterStep step) const {
+  step.update_stamp_ns = update_stamp_ns_;
+  step.update_T_scan = update_T_scan_;
+  step.map_T_scan = filter_.pose(filter_.best()) * update_T_scan_;
+  return step;
+}
+
+void FilterStage::reset(const Pose2& map_T_scan) {
+  filter_.reset(map_T_scan);
+  update_T_scan_ = Pose2{};
+  covariance_.setZero();
+  started_ = false;
+}
+
+void FilterStage::set_pose(const Pose2& map_T_scan) {
+  filter_.set_pose(map_T_scan);
+  update_T_scan_ = Pose2{};
+  covariance_.setZero();
 }
 
 }  // namespace odoless

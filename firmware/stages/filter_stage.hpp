@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 
 #include "config/robot_params.hpp"
 #include "core/odometry/laser_odometry.hpp"
@@ -27,6 +28,22 @@ class FilterStage {
   FilterStage(const RobotParams& params, std::uint64_t seed);
 
   [[nodiscard]] FilterStep process(const ScanFrame& scan, const OdometryStep& step);
+  /// A motion whose scan was lost: the pose goes on, and the next scan may update the filter.
+  [[nodiscard]] FilterStep process(const OdometryStep& step);
+
+  /// Forgets poses and map; the next scan is taken from here.
+  void reset(const Pose2& map_T_scan);
+  /// Keeps the map, and takes the robot to be here.
+  void set_pose(const Pose2& map_T_scan);
+  /// While paused, poses go on and nothing is mapped.
+  void pause(bool paused) { paused_ = paused; }
+  [[nodiscard]] bool paused() const { return paused_; }
+
+  [[nodiscard]] const GridGeometry& geometry() const { return filter_.geometry(); }
+  /// A square of the best map: Lslam::write_square.
+  [[nodiscard]] bool write_tile(GridCell corner, int side_cells, std::span<std::uint8_t> percent) {
+    return filter_.write_square(corner, side_cells, percent);
+  }
 
   /// For a live filter that must keep its time; a replay runs with all (Lslam::set_particles).
   void set_particles(int wanted) { filter_.set_particles(wanted); }
@@ -36,6 +53,7 @@ class FilterStage {
  private:
   [[nodiscard]] bool gate_is_open() const;
   void compose(const OdometryStep& step);
+  [[nodiscard]] FilterStep placed(FilterStep step) const;
   [[nodiscard]] MotionIncrement increment(std::int64_t stamp_ns) const;
 
   GateParams gate_;
@@ -44,6 +62,7 @@ class FilterStage {
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  ///< of update_T_scan_, axes of the update's scan
   std::int64_t update_stamp_ns_ = 0;
   bool started_ = false;
+  bool paused_ = false;
 };
 
 }  // namespace odoless

@@ -30,7 +30,7 @@ class SensorStage {
 
   static constexpr std::int64_t kLate_ns = 500'000'000;  ///< older scans say nothing about now
   static constexpr int kBlindScans = 3;
-  static constexpr int kStuckScans = 10;      ///< a live laser shows noise
+  static constexpr int kStuckScans = 10;       ///< a live laser shows noise
   static constexpr double kBlindShare = 0.05;  ///< of the beams; with fewer returns a scan is blind
 
  private:

@@ -1,0 +1,106 @@
+#include "firmware/threads/filter_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odoless {
+
+FilterLoop::FilterLoop(Pipeline& pipeline, FilterStage& stage, const PipelineParams& params, double map_refresh_s)
+    : pipeline_(pipeline),
+      stage_(stage),
+      budget_ns_(params.filter_budget_ns),
+      particles_min_(std::min(params.particles_min, stage.filter().params().particles)),
+      particles_(stage.filter().params().particles),
+      tiles_(stage, map_refresh_s),
+      timer_(params.filter_budget_ns) {}
+
+void FilterLoop::run(const std::atomic<bool>& before) {
+  for (bool last_round = false; !last_round;) {
+    last_round = before.load(std::memory_order_acquire);
+    for (FilterCommand command; pipeline_.commands.try_pop(command);) {
+      obey(command);
+    }
+    for (MotionMessage message; pipeline_.motions.try_pop(message);) {
+      process(message);
+    }
+    pipeline_.filter.heartbeat.fetch_add(1, std::memory_order_relaxed);
+    if (!last_round) {
+      pipeline_.filter.wake.wait(kIdle_ns);
+    }
+  }
+  pipeline_.filter.done.store(true, std::memory_order_release);
+}
+
+void FilterLoop::process(const MotionMessage& message) {
+  timer_.begin();
+  const FilterStep step = message.slot == kNoSlot ? stage_.process(message.step)
+                                                  : stage_.process(pipeline_.pool.at(message.slot), message.step);
+  if (message.slot != kNoSlot) {
+    const bool pushed = pipeline_.slots_from_filter.try_push(message.slot);
+    ODOLESS_CHECK(pushed);  // there is room for every slot
+  }
+  publish(step, message.step);
+  const std::int64_t used_ns = timer_.end(report_.stage);
+  if (step.updated && !pipeline_.lossless) {
+    adapt(used_ns);
+  }
+  report(step);
+  pipeline_.filter.heartbeat.fetch_add(1, std::memory_order_relaxed);
+}
+
+void FilterLoop::obey(const FilterCommand& command) {
+  switch (command.kind) {
+    case FilterCommand::Kind::kReset:
+      return stage_.reset(command.map_T_scan);
+    case FilterCommand::Kind::kSetPose:
+      return stage_.set_pose(command.map_T_scan);
+    case FilterCommand::Kind::kPause:
+    case FilterCommand::Kind::kResume:
+      return stage_.pause(command.kind == FilterCommand::Kind::kPause);
+  }
+}
+
+// An update's time is nearly all the particles'. Slowly up, at once down.
+void FilterLoop::adapt(std::int64_t used_ns) {
+  constexpr double kAim = 0.8;      // of the budget
+  constexpr double kGrowth = 1.05;  // at most, from one update to the next
+  const double wanted =
+      particles_ * std::min(kGrowth, kAim * static_cast<double>(budget_ns_) / static_cast<double>(used_ns));
+  particles_ = std::clamp<double>(wanted, particles_min_, stage_.filter().params().particles);
+  stage_.set_particles(static_cast<int>(particles_));
+}
+
+void FilterLoop::publish(const FilterStep& step, const OdometryStep& motion) {
+  const PoseEstimate estimate = stage_.filter().estimate();
+  PoseRecord record;
+  record.stamp_ns = motion.to_stamp_ns;
+  record.map_T_scan = step.map_T_scan;
+  record.map_T_odom = step.map_T_scan * motion.odom_T_scan.inverse();
+  Eigen::Map<Eigen::Matrix3d>(record.covariance.data()) = estimate.covariance;  // symmetric
+  record.update_stamp_ns = step.update_stamp_ns;
+  record.update_T_scan = step.update_T_scan;
+  record.effective_particles = stage_.filter().effective_particles();
+  record.log_likelihood_per_beam = step.report.log_likelihood_per_beam;
+  record.particles = stage_.filter().particles();
+  record.updated = step.updated ? 1 : 0;
+  send(pipeline_, pipeline_.filter.outbox, RecordType::kPose, record);
+  tiles_.send(pipeline_.filter.outbox, step, record.stamp_ns, motion.to_stamp_ns - motion.from_stamp_ns);
+  report_.position_sd_m = std::sqrt(estimate.covariance(0, 0) + estimate.covariance(1, 1));
+  report_.yaw_sd_rad = std::sqrt(estimate.covariance(2, 2));
+  report_.effective_particles = record.effective_particles;
+  report_.particles = record.particles;
+}
+
+void FilterLoop::report(const FilterStep& step) {
+  if (step.updated) {
+    report_.log_likelihood_per_beam = step.report.log_likelihood_per_beam;
+    report_.refused_tiles += step.report.refused_tiles;
+    report_.outside_tiles += step.report.outside_tiles;
+  }
+  report_.pool_used = static_cast<double>(stage_.filter().tiles_used()) / stage_.filter().params().grid.tiles_max;
+  report_.paused = stage_.paused();
+  report_.stage.page_faults = faults_.count();
+  pipeline_.filter.report.write(report_);
+}
+
+}  // namespace odoless

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/pipeline/pipeline.hpp"
+#include "firmware/pipeline/pipeline_params.hpp"
+#include "firmware/stages/filter_stage.hpp"
+#include "firmware/threads/round.hpp"
+#include "firmware/threads/tile_sweep.hpp"
+
+namespace odoless {
+
+/// The filter thread: takes every motion in its order, updates the filter when the robot has moved, tells the publisher
+/// poses and pieces of the map.
+///
+/// Real time: no allocation after construction; system calls: those of WakeUp, the CPU clock, and getrusage. The
+/// particles adapt, so that an update keeps the budget; not in a lossless replay.
+class FilterLoop {
+ public:
+  FilterLoop(Pipeline& pipeline, FilterStage& stage, const PipelineParams& params, double map_refresh_s);
+
+  /// Until the stage before is done and all its motions are.
+  /// @param before  Set when no motion will come any more: by the matcher, or by the sensor thread where it receives.
+  void run(const std::atomic<bool>& before);
+
+ private:
+  void process(const MotionMessage& message);
+  void obey(const FilterCommand& command);
+  void publish(const FilterStep& step, const OdometryStep& motion);
+  void adapt(std::int64_t used_ns);
+  void report(const FilterStep& step);
+
+  Pipeline& pipeline_;
+  FilterStage& stage_;
+  std::int64_t budget_ns_;
+  int particles_min_;
+  double particles_;  ///< as many as the budget allows
+  TileSweep tiles_;
+  FilterReport report_;
+  StageTimer timer_;
+  ThreadFaultCounter faults_;
+};
+
+}  // namespace odoless
