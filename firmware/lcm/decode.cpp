@@ -1,0 +1,133 @@
+#include "firmware/lcm/decode.hpp"
+
+#include <algorithm>
+#include <bot_core/planar_lidar_t.hpp>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <odoless/pose_covariance_t.hpp>
+
+#include "firmware/lcm/wire_reader.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr double kDistanceMaxM = 1e6;
+constexpr double kAngleMaxRad = 4.0 * std::numbers::pi;
+constexpr double kSweepMaxRad =
+    2.0 * std::numbers::pi * 1.001;  // a full turn, and the rounding of a single-precision step
+constexpr std::int64_t kUtimeMax = std::numeric_limits<std::int64_t>::max() / 1000;
+
+// Denormal numbers are no measurement, and slow to work with.
+bool is_sane(double value) { return value == 0.0 || std::isnormal(value); }
+bool is_sane_float(float value) { return value == 0.0F || std::isnormal(value); }
+bool is_sane_distance(double value_m) { return is_sane(value_m) && std::abs(value_m) <= kDistanceMaxM; }
+bool is_sane_angle(double value_rad) { return is_sane(value_rad) && std::abs(value_rad) <= kAngleMaxRad; }
+bool is_sane_utime(std::int64_t utime) { return utime >= 0 && utime <= kUtimeMax; }
+bool is_sane_share(double value) { return is_sane(value) && value >= 0.0; }
+
+bool is_sane_pose(const Pose2& pose) {
+  return is_sane_distance(pose.x_m) && is_sane_distance(pose.y_m) && is_sane_angle(pose.yaw_rad);
+}
+
+bool is_sane_covariance(const std::array<double, 9>& covariance) {
+  return std::all_of(covariance.begin(), covariance.end(), is_sane) && covariance[0] >= 0.0 && covariance[4] >= 0.0 &&
+         covariance[8] >= 0.0;
+}
+
+float sane_range_m(float range_m) {
+  const bool known = range_m > 0.0F && (std::isinf(range_m) || std::isnormal(range_m));
+  return known ? range_m : 0.0F;
+}
+
+bool is_sane_geometry(float start_angle_rad, float angle_step_rad, std::int32_t beams) {
+  return is_sane_float(start_angle_rad) && is_sane_angle(start_angle_rad) && std::isnormal(angle_step_rad) &&
+         std::abs(static_cast<double>(angle_step_rad)) * std::max(0, beams - 1) <= kSweepMaxRad;
+}
+
+Pose2 read_pose(WireReader& reader) {
+  const double x_m = reader.real64();
+  const double y_m = reader.real64();
+  return {x_m, y_m, reader.real64()};
+}
+
+bool is_sane_motion(const MotionRecord& motion) {
+  return motion.from_stamp_ns <= motion.to_stamp_ns && is_sane_pose(motion.odom_T_scan) &&
+         is_sane_pose(motion.previous_T_current) && is_sane_covariance(motion.covariance) &&
+         is_sane(motion.information_1_m2[0]) && is_sane(motion.information_1_m2[1]) && is_sane_share(motion.fitness) &&
+         is_sane_share(motion.second_peak_ratio) && motion.evaluations >= 0;
+}
+
+}  // namespace
+
+Result<RawScan> decode_scan(std::span<const std::byte> message, std::span<float> ranges_m) {
+  WireReader reader(message);
+  if (reader.int64() != bot_core::planar_lidar_t::getHash()) {
+    return reader.ok() ? Errc::kUnknownType : Errc::kMalformed;
+  }
+  const std::int64_t utime = reader.int64();
+  const std::int32_t beams = reader.int32();
+  if (beams < 0) {
+    return Errc::kMalformed;
+  }
+  if (static_cast<std::size_t>(beams) > ranges_m.size()) {
+    return Errc::kTooLong;
+  }
+  const std::span<float> used_m = ranges_m.first(static_cast<std::size_t>(beams));
+  std::generate(used_m.begin(), used_m.end(), [&reader] { return sane_range_m(reader.real32()); });
+  const std::int32_t intensities = reader.int32();
+  if (!reader.ok() || intensities < 0 || (intensities != 0 && intensities != beams)) {
+    return Errc::kMalformed;
+  }
+  reader.skip(static_cast<std::size_t>(intensities) * sizeof(float));
+  const float start_angle_rad = reader.real32();
+  const float angle_step_rad = reader.real32();
+  if (!reader.ok() || !reader.rest().empty()) {
+    return Errc::kMalformed;
+  }
+  if (!is_sane_utime(utime) || !is_sane_geometry(start_angle_rad, angle_step_rad, beams)) {
+    return Errc::kBadNumber;
+  }
+  return RawScan{.stamp_ns = utime * 1000,
+                 .start_angle_rad = start_angle_rad,
+                 .angle_step_rad = angle_step_rad,
+                 .ranges_m = used_m};
+}
+
+Result<MotionRecord> decode_motion(std::span<const std::byte> message) {
+  WireReader reader(message);
+  if (reader.int64() != pose_covariance_t::getHash()) {
+    return reader.ok() ? Errc::kUnknownType : Errc::kMalformed;
+  }
+  const std::int64_t utime = reader.int64();
+  const std::int64_t reference_utime = reader.int64();
+  const std::string_view frame = reader.text();
+  if (reader.ok() && frame != "odom") {
+    return Errc::kUnknownType;
+  }
+  MotionRecord motion;
+  motion.odom_T_scan = read_pose(reader);
+  motion.previous_T_current = read_pose(reader);
+  reader.reals(motion.covariance);
+  reader.reals(motion.information_1_m2);
+  motion.fitness = reader.real64();
+  motion.second_peak_ratio = reader.real64();
+  motion.evaluations = reader.int32();
+  reader.skip(sizeof(std::int32_t) + sizeof(double));  // particles, of a filter
+  motion.flags = reader.int32();
+  if (!reader.ok() || !reader.rest().empty()) {
+    return Errc::kMalformed;
+  }
+  if (!is_sane_utime(utime) || !is_sane_utime(reference_utime)) {
+    return Errc::kBadNumber;
+  }
+  motion.to_stamp_ns = utime * 1000;
+  motion.from_stamp_ns = reference_utime * 1000;
+  if (!is_sane_motion(motion)) {
+    return Errc::kBadNumber;
+  }
+  return motion;
+}
+
+}  // namespace odoless

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "core/base/result.hpp"
+#include "core/scan/scan_frame.hpp"
+#include "firmware/records/records.hpp"
+
+namespace odoless {
+
+/// Messages from a network to records: what comes in here may have been made by anybody.
+///
+/// Whatever the bytes are, these return a record whose numbers are finite and sane, or say why not:
+/// Errc::kUnknownType (fingerprint or frame of another message), Errc::kMalformed (cut short, too long for its own
+/// counts, or a count below zero), Errc::kTooLong (more beams than there is room for), Errc::kBadNumber (a number that
+/// is not finite, denormal, negative where it cannot be, or beyond all that a robot does).
+///
+/// Real time: no allocation, no system call; linear in the message.
+
+/// A bot_core.planar_lidar_t. Ranges are copied to `ranges_m`, which must outlive the scan; one that is not a number,
+/// negative or denormal becomes 0: nothing is known of that beam. Infinity stays: no return. Intensities are skipped.
+[[nodiscard]] Result<RawScan> decode_scan(std::span<const std::byte> message, std::span<float> ranges_m);
+
+/// An odoless.pose_covariance_t of frame "odom": what was a MotionRecord, bit for bit.
+[[nodiscard]] Result<MotionRecord> decode_motion(std::span<const std::byte> message);
+
+}  // namespace odoless

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "core/base/result.hpp"
+
+namespace odoless {
+
+/// Group and port of LCM over UDP.
+struct UdpAddress {
+  std::uint32_t group = 0;  ///< IPv4 multicast address, the host's byte order
+  std::uint16_t port = 0;
+  int receive_buffer_bytes = 0;  ///< 0: the system's default
+};
+
+/// Reads udpm://GROUP:PORT, with ?recv_buf_size=BYTES or without. Errc::kBadAddress for anything else, and for a group
+/// outside 224.0.0.0/4.
+[[nodiscard]] Result<UdpAddress> parse_udp_address(std::string_view url);
+
+}  // namespace odoless
