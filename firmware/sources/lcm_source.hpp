@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "firmware/lcm/channels.hpp"
+#include "firmware/lcm/lcm_receiver.hpp"
+#include "firmware/stages/scan_source.hpp"
+
+namespace odoless {
+
+/// Scans, and perhaps motions, from LCM: another driver's planar_lidar_t, a log that lcm-logplayer plays, or the
+/// matcher of this robot in another process.
+///
+/// Thread: sensor thread. Real time: system calls recvfrom and those of the sink.
+class LcmSource final : public ScanSource {
+ public:
+  /// @param motion_channel  Empty: scans alone.
+  LcmSource(const LcmParams& params, std::string scan_channel, std::string motion_channel, int beams_max);
+
+  /// Joins the group. Errc::kBadAddress or Errc::kUnavailable; `reason` then says more. Not for a real-time thread.
+  [[nodiscard]] Errc open() { return receiver_.open(); }
+  [[nodiscard]] const std::string& reason() const { return receiver_.reason(); }
+
+  [[nodiscard]] int descriptor() const override { return receiver_.descriptor(); }
+  [[nodiscard]] std::int64_t next_deadline_ns() const override { return kNever_ns; }
+  void work(std::int64_t now_ns, ScanSink& sink) override;
+  [[nodiscard]] bool is_open() const override { return receiver_.descriptor() >= 0; }
+  [[nodiscard]] bool is_live() const override { return false; }  // a log that is played bears the time of its record
+  void add_counts(SourceHealth& health) const override;
+
+ private:
+  static constexpr int kMessagesPerRound = 64;
+
+  std::string scan_channel_;
+  std::string motion_channel_;
+  LcmReceiver receiver_;
+  std::vector<float> ranges_m_;
+  std::int64_t refused_ = 0;
+};
+
+}  // namespace odoless

@@ -1,0 +1,145 @@
+#include "firmware/sources/lrf_source.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include "drivers/lrf/make_lrf_session.hpp"
+
+namespace odoless {
+
+LrfSource::LrfSource(const LrfParams& params, int beams_max, LineHandover& line)
+    : params_(params), session_(make_lrf_session(params, beams_max)), line_(line) {}
+
+std::int64_t LrfSource::next_deadline_ns() const {
+  return is_open() ? std::min(session_->next_deadline_ns(), last_scan_or_open_ns_ + kReopen_ns) : kNever_ns;
+}
+
+void LrfSource::take_line(std::int64_t now_ns) {
+  descriptor_ = line_.offered.exchange(-1, std::memory_order_acq_rel);
+  if (is_open()) {
+    ++opened_;
+    baud_ = params_.baud;
+    last_scan_or_open_ns_ = now_ns;
+    session_->reset(now_ns);
+  }
+}
+
+void LrfSource::return_line() {
+  line_.returned.store(descriptor_, std::memory_order_release);
+  line_.in_use.store(false, std::memory_order_release);
+  descriptor_ = -1;
+}
+
+void LrfSource::work(std::int64_t now_ns, ScanSink& sink) {
+  sink_ = &sink;
+  if (!is_open()) {
+    take_line(now_ns);
+  }
+  if (is_open() && !read_all(now_ns)) {
+    sink.on_event(EventPriority::kWarning, "laser: its line is gone (errno {}); it is opened again when it is back",
+                  errno);
+    return_line();
+  }
+  if (is_open()) {
+    session_->tick(now_ns, *this);
+    write_all();
+  }
+  if (is_open() && now_ns - last_scan_or_open_ns_ >= kReopen_ns) {
+    return_line();
+  }
+  sink_ = nullptr;
+}
+
+bool LrfSource::read_all(std::int64_t now_ns) {
+  for (int i = 0; i < kReadsPerRound; ++i) {
+    const ssize_t size_bytes = ::read(descriptor_, buffer_.data(), buffer_.size());
+    if (size_bytes == 0 || (size_bytes < 0 && errno != EAGAIN && errno != EINTR)) {
+      return false;
+    }
+    if (size_bytes < 0) {
+      return true;
+    }
+    const std::span<const std::byte> bytes = std::span(buffer_).first(static_cast<std::size_t>(size_bytes));
+    sink_->on_raw(bytes, false);
+    session_->receive(bytes, now_ns, *this);
+  }
+  return true;
+}
+
+void LrfSource::write_all() {
+  if (const int wanted = session_->line_baud(); wanted != 0 && wanted != baud_) {
+    write_errors_ += set_serial_baud(descriptor_, wanted) == Errc::kOk ? 0 : 1;
+    baud_ = wanted;
+  }
+  const std::span<const std::byte> bytes = session_->transmit();
+  if (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    write_errors_ += written == static_cast<ssize_t>(bytes.size()) ? 0 : 1;  // the session asks again
+    sink_->on_raw(bytes, true);
+  }
+}
+
+void LrfSource::on_scan(const LrfScan& scan) {
+  last_scan_or_open_ns_ = scan.arrival_ns;
+  RawScan raw;
+  raw.stamp_ns = scan.stamp_ns;
+  raw.start_angle_rad = scan.start_angle_rad;
+  raw.angle_step_rad = scan.angle_step_rad;
+  raw.ranges_m = scan.ranges_m;
+  sink_->on_scan(raw);
+}
+
+void LrfSource::on_event(const LrfEvent& event) {
+  switch (event.type) {
+    case LrfEventType::kReady:
+      return sink_->on_event(EventPriority::kInfo, "laser: streaming, {} beams", session_->geometry().beams);
+    case LrfEventType::kDeviceError:
+      return sink_->on_event(EventPriority::kError, "laser: it reports an error, status {}", event.device_status);
+    case LrfEventType::kLost:
+      return sink_->on_event(EventPriority::kWarning, "laser: silent or its stream ended; it is brought up again{}", 0);
+    case LrfEventType::kResync:
+    case LrfEventType::kRejected:
+      return;  // counted
+  }
+}
+
+void LrfSource::add_counts(SourceHealth& health) const {
+  const LrfCounters& counters = session_->counters();
+  health.rejected += static_cast<std::int64_t>(counters.rejected);
+  health.resyncs += static_cast<std::int64_t>(counters.resyncs);
+  health.reconnects += std::max<std::int64_t>(opened_ - 1, 0);
+}
+
+LrfKeeper::LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor)
+    : params_(params), line_(line), sensor_(sensor) {}
+
+LrfKeeper::~LrfKeeper() {
+  const FileDescriptor offered(line_.offered.exchange(-1));
+  const FileDescriptor returned(line_.returned.exchange(-1));
+}
+
+Errc LrfKeeper::tick(std::int64_t now_ns) {
+  const FileDescriptor returned(line_.returned.exchange(-1, std::memory_order_acq_rel));  // closed here
+  if (returned.valid()) {
+    next_try_ns_ = now_ns + kPauseMin_ns;
+    return Errc::kOk;
+  }
+  if (line_.in_use.load(std::memory_order_acquire) || now_ns < next_try_ns_) {
+    return Errc::kOk;
+  }
+  Result<FileDescriptor> opened = open_lrf_line(params_);
+  if (!opened.ok()) {
+    next_try_ns_ = now_ns + pause_ns_;
+    pause_ns_ = std::min(2 * pause_ns_, kPauseMax_ns);
+    return opened.error();
+  }
+  pause_ns_ = kPauseMin_ns;
+  line_.in_use.store(true, std::memory_order_release);
+  line_.offered.store(opened.take().release(), std::memory_order_release);
+  sensor_.notify();
+  return Errc::kOk;
+}
+
+}  // namespace odoless

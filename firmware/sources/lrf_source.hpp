@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "drivers/lrf/lrf_params.hpp"
+#include "drivers/lrf/lrf_session.hpp"
+#include "firmware/stages/scan_source.hpp"
+#include "rt/wake_up.hpp"
+
+namespace odoless {
+
+/// Carries the laser's line between the supervisor, which may open and close it, and the sensor thread, which may read
+/// and write it. -1: nothing there.
+struct LineHandover {
+  std::atomic<int> offered{-1};
+  std::atomic<int> returned{-1};
+  std::atomic<bool> in_use{false};  ///< set by who offers, cleared by who returns
+};
+
+/// A laser range finder on a serial line.
+///
+/// Thread: sensor thread. Real time: system calls read, write, and ioctl where the rate of the line changes.
+class LrfSource final : public ScanSource, private LrfSink {
+ public:
+  LrfSource(const LrfParams& params, int beams_max, LineHandover& line);
+
+  [[nodiscard]] int descriptor() const override { return descriptor_; }
+  [[nodiscard]] std::int64_t next_deadline_ns() const override;
+  void work(std::int64_t now_ns, ScanSink& sink) override;
+  [[nodiscard]] bool is_open() const override { return descriptor_ >= 0; }
+  void add_counts(SourceHealth& health) const override;
+
+ private:
+  void on_scan(const LrfScan& scan) override;
+  void on_event(const LrfEvent& event) override;
+  void take_line(std::int64_t now_ns);
+  void return_line();
+  /// False when the line is gone.
+  [[nodiscard]] bool read_all(std::int64_t now_ns);
+  void write_all();
+
+  static constexpr int kReadsPerRound = 16;
+  static constexpr std::int64_t kReopen_ns = 2'000'000'000;  ///< without a scan: perhaps opening anew helps
+
+  LrfParams params_;
+  std::unique_ptr<LrfSession> session_;
+  LineHandover& line_;
+  int descriptor_ = -1;
+  int baud_ = 0;
+  std::int64_t last_scan_or_open_ns_ = 0;
+  std::int64_t opened_ = 0;
+  std::int64_t write_errors_ = 0;
+  ScanSink* sink_ = nullptr;  ///< during `work`
+  std::array<std::byte, 4096> buffer_{};
+};
+
+/// Opens the laser's line for the sensor thread, again and again with growing pauses, and closes what it gives back.
+///
+/// Thread: supervisor; not real-time.
+class LrfKeeper {
+ public:
+  LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor);
+  ~LrfKeeper();
+
+  /// Does what is due. @return kOk while the line is open or nothing was tried, else why it could not be opened.
+  [[nodiscard]] Errc tick(std::int64_t now_ns);
+
+ private:
+  static constexpr std::int64_t kPauseMin_ns = 100'000'000;
+  static constexpr std::int64_t kPauseMax_ns = 500'000'000;
+
+  LrfParams params_;
+  LineHandover& line_;
+  WakeUp& sensor_;
+  std::int64_t next_try_ns_ = 0;
+  std::int64_t pause_ns_ = kPauseMin_ns;
+};
+
+}  // namespace odoless

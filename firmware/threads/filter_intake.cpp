@@ -1,0 +1,60 @@
+#include "firmware/threads/filter_intake.hpp"
+
+#include "firmware/records/convert.hpp"
+#include "firmware/threads/matcher_loop.hpp"
+
+namespace odoless {
+
+void FilterIntake::take(ScanSlot slot) {
+  ScanSlot& place = waiting_[next_waiting_];
+  if (place != kNoSlot) {
+    give_back(place);
+  }
+  place = slot;
+  next_waiting_ = (next_waiting_ + 1) % kWaiting;
+}
+
+ScanSlot FilterIntake::scan_of(std::int64_t stamp_ns) {
+  for (ScanSlot& slot : waiting_) {
+    if (slot != kNoSlot && pipeline().pool.at(slot).stamp_ns() == stamp_ns) {
+      return std::exchange(slot, kNoSlot);
+    }
+  }
+  return kNoSlot;
+}
+
+OdometryStep FilterIntake::step_of(const MotionRecord& motion) const {
+  OdometryStep step = to_step(motion);
+  if (started_ && motion.from_stamp_ns != last_stamp_ns_) {
+    // Of the motions in between only the sum is known; their deviations are taken to be like this one's.
+    const double whole_s = static_cast<double>(motion.to_stamp_ns - last_stamp_ns_);
+    const double own_s = static_cast<double>(motion.to_stamp_ns - motion.from_stamp_ns);
+    step.from_stamp_ns = last_stamp_ns_;
+    step.previous_T_current = odom_T_last_.inverse() * motion.odom_T_scan;
+    step.covariance *= own_s > 0.0 ? whole_s / own_s : 1.0;
+  }
+  return step;
+}
+
+void FilterIntake::on_motion(const MotionRecord& motion) {
+  if (started_ && motion.to_stamp_ns <= last_stamp_ns_) {
+    return;  // came twice, or too late: the sum is known already
+  }
+  MotionMessage message{scan_of(motion.to_stamp_ns), step_of(motion)};
+  started_ = true;
+  odom_T_last_ = motion.odom_T_scan;
+  last_stamp_ns_ = motion.to_stamp_ns;
+  if (has_pending_) {
+    if (pending_.slot != kNoSlot) {
+      give_back(pending_.slot);
+    }
+    message.step = compose(pending_.step, message.step);
+  }
+  has_pending_ = !pipeline().motions.try_push(message);
+  if (has_pending_) {
+    pending_ = message;
+  }
+  pipeline().filter.wake.notify();
+}
+
+}  // namespace odoless
