@@ -46,4 +46,9 @@ std::size_t Pipeline::memory_bytes() const {
          matcher.outbox.ring().memory_bytes() + filter.outbox.ring().memory_bytes();
 }
 
+std::int64_t Pipeline::records_dropped() const {
+  return static_cast<std::int64_t>(sensor.outbox.ring().rejected() + matcher.outbox.ring().rejected() +
+                                   filter.outbox.ring().rejected());
+}
+
 }  // namespace odoless

@@ -41,6 +41,9 @@ struct Pipeline {
   /// All memory set aside, in bytes.
   [[nodiscard]] std::size_t memory_bytes() const;
 
+  /// Records that found no room on their way to the publisher.
+  [[nodiscard]] std::int64_t records_dropped() const;
+
   const bool lossless;
   ScanPool pool;
   EvictingQueue<ScanSlot> scans;

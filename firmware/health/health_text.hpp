@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "firmware/records/health.hpp"
+
+namespace odoless {
+
+/// "OK", "DEGRADED" and so on.
+[[nodiscard]] const char* name_of(HealthState state);
+
+/// The reasons, a few words each, joined by commas; empty if there is none.
+[[nodiscard]] std::string reasons_text(std::uint32_t reasons);
+
+/// One line for the log: the state and why.
+[[nodiscard]] std::string state_sentence(const HealthReport& report);
+
+}  // namespace odoless

@@ -1,0 +1,146 @@
+#include "firmware/publisher/publisher.hpp"
+
+#include "firmware/daemon/log.hpp"
+#include "firmware/health/health_text.hpp"
+
+namespace odoless {
+
+Publisher::Publisher(const PublisherParams& params, const GridGeometry& geometry, Pipeline& pipeline,
+                     const std::filesystem::path& folder)
+    : pipeline_(pipeline),
+      link_(params.lcm, static_cast<std::size_t>(geometry.columns) * static_cast<std::size_t>(geometry.rows)),
+      recorder_(params.recorder),
+      monitor_(params.health),
+      map_(geometry),
+      poses_(folder),
+      overview_ns_(static_cast<std::int64_t>(params.lcm.overview_s * 1e9)) {
+  last_ranges_m_.reserve(static_cast<std::size_t>(pipeline.pool.beams_max()));
+  if (!params.recorder.path.empty()) {
+    link_.set_tap(&recorder_);
+  }
+}
+
+void Publisher::round(std::int64_t now_ns) {
+  const std::lock_guard lock(mutex_);
+  drain(pipeline_.sensor.outbox);
+  drain(pipeline_.matcher.outbox);
+  drain(pipeline_.filter.outbox);
+  log_events(pipeline_.sensor.log);
+  log_events(pipeline_.matcher.log);
+  log_events(pipeline_.filter.log);
+  watch(now_ns);
+  publish_overview(now_ns);
+}
+
+void Publisher::drain(Outbox& outbox) {
+  while (const auto record = outbox.ring().front()) {
+    take(static_cast<RecordType>(record->type), record->bytes);
+    outbox.ring().pop();
+  }
+}
+
+// What cannot be sent is counted by the link, which is all that there is to be done.
+void Publisher::take(RecordType type, std::span<const std::byte> bytes) {
+  switch (type) {
+    case RecordType::kScan:
+      return take_scan(bytes);
+    case RecordType::kRawBytes:
+      return static_cast<void>(
+          link_.publish(record_of<RawBytesRecord>(bytes), elements_of<std::byte, RawBytesRecord>(bytes)));
+    case RecordType::kMotion:
+      return static_cast<void>(link_.publish(record_of<MotionRecord>(bytes)));
+    case RecordType::kPose:
+      return take_pose(bytes);
+    case RecordType::kMapTile:
+      return take_tile(bytes);
+    case RecordType::kEvent:
+      return;
+  }
+}
+
+void Publisher::take_scan(std::span<const std::byte> bytes) {
+  last_scan_ = record_of<ScanRecord>(bytes);
+  const std::span<const float> ranges_m = elements_of<float, ScanRecord>(bytes);
+  last_ranges_m_.assign(ranges_m.begin(), ranges_m.end());
+  static_cast<void>(link_.publish(last_scan_, ranges_m));
+}
+
+void Publisher::take_pose(std::span<const std::byte> bytes) {
+  const auto pose = record_of<PoseRecord>(bytes);
+  poses_.add(pose);
+  static_cast<void>(link_.publish(pose));
+  if (pose.stamp_ns == last_scan_.stamp_ns) {
+    static_cast<void>(link_.publish_points(pose, last_scan_, last_ranges_m_));
+  }
+}
+
+void Publisher::take_tile(std::span<const std::byte> bytes) {
+  const auto tile = record_of<MapTileRecord>(bytes);
+  const std::span<const std::uint8_t> cells = elements_of<std::uint8_t, MapTileRecord>(bytes);
+  map_.update(tile, cells);
+  map_changed_ = true;
+  static_cast<void>(link_.publish(tile, cells));
+}
+
+void Publisher::watch(std::int64_t now_ns) {
+  pipeline_.sensor.report.update();
+  pipeline_.matcher.report.update();
+  pipeline_.filter.report.update();
+  surroundings_.scan_queue_high_water = static_cast<std::int32_t>(pipeline_.scans.high_water());
+  surroundings_.motion_queue_high_water = static_cast<std::int32_t>(pipeline_.motions.high_water());
+  surroundings_.records_dropped = pipeline_.lossless ? 0 : pipeline_.records_dropped();
+  surroundings_.publish_errors = link_.counters().errors;
+  surroundings_.storage_error = recorder_.counters().last_error != 0 ? recorder_.counters().last_error : poses_.error();
+  const HealthReport before = health_;
+  health_ = monitor_.update(pipeline_.sensor.report.value(), pipeline_.matcher.report.value(),
+                            pipeline_.filter.report.value(), surroundings_, now_ns);
+  const bool changed = health_.state != before.state || health_.reasons != before.reasons;
+  if (changed || now_ns >= next_health_ns_) {
+    next_health_ns_ = now_ns + kHealth_ns;
+    static_cast<void>(link_.publish(health_));
+  }
+  if (health_.state != before.state) {
+    log_line(health_.state == HealthState::kOk ? EventPriority::kInfo : EventPriority::kWarning,
+             state_sentence(health_));
+  }
+}
+
+void Publisher::publish_overview(std::int64_t now_ns) {
+  if (map_changed_ && now_ns >= next_overview_ns_) {
+    map_changed_ = false;
+    next_overview_ns_ = now_ns + overview_ns_;
+    static_cast<void>(link_.publish(map_.view(now_ns)));
+  }
+}
+
+void Publisher::set_surroundings(const Surroundings& surroundings) {
+  const std::lock_guard lock(mutex_);
+  surroundings_ = surroundings;
+}
+
+void Publisher::set_health_params(const HealthParams& params) {
+  const std::lock_guard lock(mutex_);
+  monitor_.set_params(params);
+}
+
+HealthReport Publisher::health() const {
+  const std::lock_guard lock(mutex_);
+  return health_;
+}
+
+OccupancyMap Publisher::map() {
+  const std::lock_guard lock(mutex_);
+  return map_.map();
+}
+
+std::vector<StampedPose> Publisher::online_poses() {
+  const std::lock_guard lock(mutex_);
+  return poses_.online();
+}
+
+std::vector<StampedPose> Publisher::final_poses(std::span<const StampedPose> path) {
+  const std::lock_guard lock(mutex_);
+  return poses_.final(path);
+}
+
+}  // namespace odoless

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+
+#include "core/grid/grid_geometry.hpp"
+#include "firmware/health/health_monitor.hpp"
+#include "firmware/lcm/lcm_link.hpp"
+#include "firmware/lcm/log_writer.hpp"
+#include "firmware/pipeline/pipeline.hpp"
+#include "firmware/publisher/map_store.hpp"
+#include "firmware/publisher/pose_spool.hpp"
+#include "rt/clock.hpp"
+
+namespace odoless {
+
+struct PublisherParams {
+  LcmParams lcm;
+  LogWriterParams recorder;
+  HealthParams health;
+};
+
+/// The ordinary thread behind the real-time ones: takes what they say, publishes and records it, keeps map and poses,
+/// and says how the daemon is.
+///
+/// Thread: publisher thread; `health` and those marked so from any.
+class Publisher {
+ public:
+  /// @param folder  For the poses of the run; may be empty.
+  Publisher(const PublisherParams& params, const GridGeometry& geometry, Pipeline& pipeline,
+            const std::filesystem::path& folder);
+
+  [[nodiscard]] LcmLink& link() { return link_; }
+
+  /// Takes all that waits; to be called every few milliseconds, and once when the other threads have ended.
+  void round(std::int64_t now_ns);
+
+  /// Any thread: what the supervisor knows.
+  void set_surroundings(const Surroundings& surroundings);
+  /// Any thread: new limits.
+  void set_health_params(const HealthParams& params);
+  /// Any thread: the last report.
+  [[nodiscard]] HealthReport health() const;
+  /// Any thread: the map and the poses until now. Waits for the round that is under way.
+  [[nodiscard]] OccupancyMap map();
+  [[nodiscard]] std::vector<StampedPose> online_poses();
+  [[nodiscard]] std::vector<StampedPose> final_poses(std::span<const StampedPose> path);
+
+  [[nodiscard]] const LogWriterCounters& recorder_counters() const { return recorder_.counters(); }
+  [[nodiscard]] std::size_t memory_bytes() const { return map_.memory_bytes(); }
+
+ private:
+  void drain(Outbox& outbox);
+  void take(RecordType type, std::span<const std::byte> bytes);
+  void take_scan(std::span<const std::byte> bytes);
+  void take_pose(std::span<const std::byte> bytes);
+  void take_tile(std::span<const std::byte> bytes);
+  void watch(std::int64_t now_ns);
+  void publish_overview(std::int64_t now_ns);
+
+  static constexpr std::int64_t kHealth_ns = 100'000'000;
+
+  mutable std::mutex mutex_;
+  Pipeline& pipeline_;
+  LcmLink link_;
+  LogWriter recorder_;
+  HealthMonitor monitor_;
+  Surroundings surroundings_;
+  HealthReport health_;
+  MapStore map_;
+  PoseSpool poses_;
+  std::int64_t overview_ns_;
+  std::int64_t next_overview_ns_ = 0;
+  std::int64_t next_health_ns_ = 0;
+  ScanRecord last_scan_;
+  std::vector<float> last_ranges_m_;
+  bool map_changed_ = false;
+};
+
+}  // namespace odoless
