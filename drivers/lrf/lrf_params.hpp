@@ -8,8 +8,11 @@
 namespace odoless {
 
 /// Which protocol the laser speaks.
-enum class LrfDriver : std::uint8_t { kScip };
-inline constexpr const char* kLrfDriverNames[] = {"scip"};
+enum class LrfDriver : std::uint8_t {
+  kScip,  ///< Hokuyo SCIP 2.0 on a serial line
+  kLcm,   ///< no device: scans come over LCM
+};
+inline constexpr const char* kLrfDriverNames[] = {"scip", "lcm"};
 
 /// What a laser is asked for.
 enum class LrfReading : std::uint8_t {
@@ -22,6 +25,7 @@ inline constexpr const char* kLrfReadingNames[] = {"range", "short_range", "rang
 struct LrfParams {
   LrfDriver driver = LrfDriver::kScip;
   std::string device = "/dev/ttyACM0";
+  std::string channel = "LASER";
   int baud = 0;
   LrfReading reading = LrfReading::kRange;
   int cluster = 1;
@@ -31,8 +35,9 @@ struct LrfParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("driver", self.driver, kLrfDriverNames, "Protocol of the laser range finder.");
+    visit.choice("driver", self.driver, kLrfDriverNames, "Protocol of the laser range finder; lcm: another program reads it, and scans come over LCM.");
     visit.text("device", self.device, "Path of the laser's serial line.");
+    visit.text("channel", self.channel, "Channel of the scans (planar_lidar_t) for the driver lcm.");
     visit.value("baud", self.baud, Range{0, 4'000'000}, "Rate of the serial line; 0 for USB, which has none.");
     visit.choice("reading", self.reading, kLrfReadingNames, "What the laser sends of each beam.");
     visit.value("cluster", self.cluster, Range{1, 99}, "Neighbouring beams that the laser joins to one, the nearest.");

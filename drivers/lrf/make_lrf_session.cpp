@@ -9,6 +9,8 @@ std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_
   switch (params.driver) {
     case LrfDriver::kScip:
       return std::make_unique<ScipSession>(params, beams_max);
+    case LrfDriver::kLcm:
+      break;
   }
   ODOLESS_CHECK(false);
   return nullptr;

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+
+#include "config/robot_params.hpp"
+#include "drivers/lrf/lrf_params.hpp"
+#include "firmware/health/health_monitor.hpp"
+#include "firmware/lcm/lcm_params.hpp"
+#include "firmware/lcm/log_writer_params.hpp"
+#include "firmware/pipeline/pipeline_params.hpp"
+
+namespace odoless {
+
+struct ControlParams {
+  std::string socket = "/run/odoless/control";
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.text("socket", self.socket, "Path of the socket that `odoless ctl` talks to; empty: none.");
+  }
+};
+
+/// All that a robot's configuration file can say: the SLAM, and the machine around it.
+struct DaemonParams {
+  RobotParams robot;
+  LrfParams lrf;
+  LcmParams lcm;
+  PipelineParams pipeline;
+  LogWriterParams recorder;
+  HealthParams health;
+  ControlParams control;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.group("lrf", self.lrf, "The laser range finder.");
+    visit.group("lcm", self.lcm, "What is published.");
+    visit.group("pipeline", self.pipeline, "Threads, queues and time budgets of the daemon.");
+    visit.group("recorder", self.recorder, "The log of all messages.");
+    visit.group("health", self.health, "From when on something counts as wrong.");
+    visit.group("control", self.control, "Commands to the daemon.");
+    RobotParams::describe(self.robot, visit);
+  }
+};
+
+}  // namespace odoless
