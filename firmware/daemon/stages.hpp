@@ -7,9 +7,9 @@ namespace odoless {
 
 /// Which stages run in this process. The others run in another one, and the two talk over LCM.
 enum class StageSet {
-  kAll,             ///< sensor,matcher,filter
-  kSensorMatcher,   ///< on the robot: publishes scans and motions
-  kFilter,          ///< elsewhere: takes them
+  kAll,            ///< sensor,matcher,filter
+  kSensorMatcher,  ///< on the robot: publishes scans and motions
+  kFilter,         ///< elsewhere: takes them
 };
 
 inline constexpr const char* kStageSets = "sensor,matcher,filter or sensor,matcher or filter";

@@ -99,7 +99,7 @@ void FilterLoop::report(const FilterStep& step) {
   }
   report_.pool_used = static_cast<double>(stage_.filter().tiles_used()) / stage_.filter().params().grid.tiles_max;
   report_.paused = stage_.paused();
-  report_.stage.page_faults = faults_.count();
+  meter_.read(report_.stage);
   pipeline_.filter.report.write(report_);
 }
 

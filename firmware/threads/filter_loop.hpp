@@ -38,7 +38,7 @@ class FilterLoop {
   TileSweep tiles_;
   FilterReport report_;
   StageTimer timer_;
-  ThreadFaultCounter faults_;
+  ThreadMeter meter_;
 };
 
 }  // namespace odoless

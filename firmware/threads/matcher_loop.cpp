@@ -111,7 +111,7 @@ void MatcherLoop::report(const OdometryStep& step) {
   report_.evaluations = step.match.evaluations;
   report_.poor_in_a_row = step.match.converged || report_.stage.scans <= 1 ? 0 : report_.poor_in_a_row + 1;
   report_.deadline_hit = step.match.stop == StopReason::kDeadline;
-  report_.stage.page_faults = faults_.count();
+  meter_.read(report_.stage);
   pipeline_.matcher.report.write(report_);
 }
 

@@ -37,7 +37,7 @@ class MatcherLoop {
   MotionMessage pending_;  ///< has a slot while the filter's queue is full
   MatcherReport report_;
   StageTimer timer_;
-  ThreadFaultCounter faults_;
+  ThreadMeter meter_;
 };
 
 /// Both steps as one: the first one's start, the second one's end and match.

@@ -5,6 +5,7 @@
 
 #include "firmware/pipeline/pipeline.hpp"
 #include "rt/cpu_clock.hpp"
+#include "rt/heap_guard.hpp"
 #include "rt/memory_lock.hpp"
 
 namespace odoless {
@@ -20,23 +21,27 @@ inline void sleep_ns(std::int64_t duration_ns) {
   static_cast<void>(clock_nanosleep(CLOCK_MONOTONIC, 0, &duration, nullptr));
 }
 
-/// Page faults of the calling thread since its first question. Real time: one system call in 64 questions.
-class ThreadFaultCounter {
+/// Page faults and heap calls of the calling thread since its first question. Real time: one system call in 64
+/// questions.
+class ThreadMeter {
  public:
-  [[nodiscard]] std::int64_t count() {
+  void read(StageReport& report) {
     if (asked_++ % 64 == 0) {
       const ThreadFaults now = thread_page_faults();
       const std::int64_t faults = now.minor + now.major;
-      before_ = before_ < 0 ? faults : before_;
-      since_ = faults - before_;
+      if (asked_ == 1) {
+        faults_before_ = faults;
+        heap_calls_before_ = heap_calls_on_this_thread();
+      }
+      report.page_faults = faults - faults_before_;
     }
-    return since_;
+    report.allocations = heap_is_watched() ? heap_calls_on_this_thread() - heap_calls_before_ : -1;
   }
 
  private:
   std::int64_t asked_ = 0;
-  std::int64_t before_ = -1;
-  std::int64_t since_ = 0;
+  std::int64_t faults_before_ = 0;
+  std::int64_t heap_calls_before_ = 0;
 };
 
 /// Takes the time of a piece of work on the calling thread and enters it into a report.

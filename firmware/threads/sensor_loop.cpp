@@ -20,7 +20,7 @@ void SensorLoop::run() {
       timer_.begin();
       source_.work(clock_.now_ns(), intake_);
       timer_.end(report_);
-      report_.page_faults = faults_.count();
+      meter_.read(report_);
       intake_.report(source_, report_);
     }
     pipeline_.sensor.heartbeat.fetch_add(1, std::memory_order_relaxed);

@@ -24,7 +24,7 @@ class SensorLoop {
   const Clock& clock_;
   StageReport report_;
   StageTimer timer_;
-  ThreadFaultCounter faults_;
+  ThreadMeter meter_;
 };
 
 }  // namespace odoless

@@ -9,6 +9,7 @@
 
 #include "config/config.hpp"
 #include "config/robot_params.hpp"
+#include "firmware/daemon/daemon_params.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/reference_poses.hpp"
 #include "tools/output/map_files.hpp"
@@ -26,7 +27,6 @@ namespace {
 
 constexpr Rgb kEstimateColour{220, 50, 32};
 constexpr Rgb kTruthColour{0, 90, 181};
-constexpr int kConfigError = 78;
 
 struct LogJob {
   std::string log;
@@ -38,15 +38,11 @@ struct LogJob {
 };
 
 RobotParams load(const std::string& config) {
-  RobotParams params;
+  DaemonParams params;  // a robot's file says more than a replay needs
   if (!config.empty()) {
-    try {
-      load_parameters(config, params);
-    } catch (const ConfigError& error) {
-      throw UserError(kConfigError, error.what());
-    }
+    load_parameters(config, params);
   }
-  return params;
+  return params.robot;
 }
 
 ScanLog read_log(const LogJob& job) { return read_scan_log(job.log, static_cast<std::int64_t>(job.period_ms * 1e6)); }
@@ -172,7 +168,7 @@ void add_config(CLI::App& app) {
   CLI::App* const config = app.add_subcommand("config", "What a configuration file can say");
   config->require_subcommand(1);
   config->add_subcommand("reference", "Every key with its default, range and meaning, as Markdown")->callback([] {
-    fmt::print("{}", write_reference(RobotParams{}));
+    fmt::print("{}", write_reference(DaemonParams{}));
   });
   const auto preset = std::make_shared<std::string>("default");
   CLI::App* const defaults = config->add_subcommand("defaults", "A configuration file that says what is built in");
@@ -180,9 +176,9 @@ void add_config(CLI::App& app) {
       ->check(CLI::IsMember({"default", "seed"}))
       ->capture_default_str();
   defaults->callback([preset] {
-    RobotParams params;
+    DaemonParams params;
     if (*preset == "seed") {
-      params.matcher = seed_matcher_params();
+      params.robot.matcher = seed_matcher_params();
     }
     fmt::print("{}", write_toml(params));
   });

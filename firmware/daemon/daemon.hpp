@@ -1,0 +1,54 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/geometry/stamped_pose.hpp"
+#include "core/grid/occupancy_map.hpp"
+#include "firmware/daemon/daemon_params.hpp"
+#include "firmware/daemon/stages.hpp"
+#include "firmware/stages/scan_source.hpp"
+
+namespace odoless {
+
+/// What a run has made so far, or in the end.
+struct DaemonResult {
+  std::vector<StampedPose> trajectory;         ///< one per scan, as known now
+  std::vector<StampedPose> online_trajectory;  ///< as published at the time
+  OccupancyMap map;
+  HealthReport health;
+  double wall_s = 0.0;
+};
+
+struct DaemonOptions {
+  DaemonParams params;
+  StageSet stages = StageSet::kAll;
+  std::uint64_t seed = 1;
+  bool require_realtime = false;
+  bool enforce_realtime = false;
+  std::filesystem::path folder;  ///< for results; empty: none are kept
+  /// Instead of the laser, e.g. a recorded log; may be null.
+  std::unique_ptr<ScanSource> source;
+  /// Nothing is dropped, and no result depends on time: a log as fast as possible.
+  bool lossless = false;
+  /// Saves results into the folder; returns what went wrong, for a person, or nothing.
+  std::function<std::string(const DaemonResult&)> save;
+  /// Reads the configuration anew; returns what is wrong with it, or nothing.
+  std::function<std::string(DaemonParams&)> reload;
+};
+
+/// Runs the daemon until SIGTERM or SIGINT, or until its source is at its end; then drains the pipeline, saves and
+/// returns an exit status of sysexits.h: 0; 69 where the laser is in use by another program; 70 where a stage hung;
+/// 71 where a thread cannot be made; 73 where results cannot be saved; 77 where real time is required and refused;
+/// 78 where LCM's address makes no sense.
+///
+/// Locks the process's memory. To be called once, by the program's first thread while it is the only one.
+[[nodiscard]] int run_daemon(DaemonOptions options);
+
+}  // namespace odoless

@@ -1,0 +1,163 @@
+#include "firmware/daemon/machine.hpp"
+
+#include <algorithm>
+
+#include "firmware/daemon/log.hpp"
+#include "firmware/daemon/real_time_entry.hpp"
+#include "firmware/sources/lcm_source.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr std::int64_t kSensorBudget_ns = 5'000'000;
+
+GridGeometry geometry_of(const FilterStage* filter) { return filter != nullptr ? filter->geometry() : GridGeometry{}; }
+
+PublisherParams publisher_params(const DaemonParams& params) { return {params.lcm, params.recorder, params.health}; }
+
+}  // namespace
+
+Machine::Machine(DaemonOptions& options)
+    : stages_(options.stages),
+      pipeline_(options.params.pipeline, options.params.robot, options.lossless),
+      source_(make_source(options)),
+      intake_(make_intake(options)),
+      matcher_(has_matcher(stages_) ? std::make_unique<MatcherStage>(options.params.robot, options.seed) : nullptr),
+      filter_(has_filter(stages_) ? std::make_unique<FilterStage>(options.params.robot, options.seed) : nullptr),
+      publisher_(publisher_params(options.params), geometry_of(filter_.get()), pipeline_, options.folder),
+      sensor_thread_({.name = "odo-sensor",
+                      .priority = options.params.pipeline.sensor_priority,
+                      .cpu = options.params.pipeline.sensor_cpu}),
+      matcher_thread_({.name = "odo-matcher",
+                       .priority = options.params.pipeline.matcher_priority,
+                       .cpu = options.params.pipeline.matcher_cpu}),
+      filter_thread_({.name = "odo-filter",
+                      .priority = options.params.pipeline.filter_priority,
+                      .cpu = options.params.pipeline.filter_cpu}),
+      start_ns_(clock_.now_ns()) {
+  const PipelineParams& params = options.params.pipeline;
+  sensor_loop_ = std::make_unique<SensorLoop>(pipeline_, *source_, *intake_, clock_, kSensorBudget_ns);
+  if (matcher_) {
+    matcher_loop_ = std::make_unique<MatcherLoop>(pipeline_, *matcher_, params.matcher_budget_ns, has_filter(stages_));
+  }
+  if (filter_) {
+    filter_loop_ = std::make_unique<FilterLoop>(pipeline_, *filter_, params, options.params.lcm.map_refresh_s);
+  }
+}
+
+std::unique_ptr<ScanSource> Machine::make_source(DaemonOptions& options) {
+  const DaemonParams& params = options.params;
+  const Channels channels(params.lcm.prefix);
+  const int beams_max = params.robot.scan.beams_max;
+  if (options.source) {
+    return std::move(options.source);
+  }
+  if (!has_matcher(stages_)) {
+    return std::make_unique<LcmSource>(params.lcm, channels.scan, channels.motion, beams_max);
+  }
+  if (params.lrf.driver == LrfDriver::kLcm) {
+    return std::make_unique<LcmSource>(params.lcm, params.lrf.channel, "", beams_max);
+  }
+  reads_laser_ = true;
+  return std::make_unique<LrfSource>(params.lrf, beams_max, line_);
+}
+
+std::unique_ptr<Intake> Machine::make_intake(const DaemonOptions& options) {
+  if (!has_matcher(stages_)) {
+    return std::make_unique<FilterIntake>(pipeline_, clock_);
+  }
+  const bool from_lcm = options.params.lrf.driver == LrfDriver::kLcm;
+  return std::make_unique<Intake>(pipeline_, clock_, source_->is_live(), !from_lcm);
+}
+
+std::string Machine::open() {
+  if (auto* const lcm = dynamic_cast<LcmSource*>(source_.get()); lcm != nullptr && lcm->open() != Errc::kOk) {
+    return lcm->reason();
+  }
+  return publisher_.link().open() == Errc::kOk ? "" : publisher_.link().reason();
+}
+
+int Machine::start(bool enforce) {
+  const auto run = [enforce](RealTimeThread& thread, std::span<const int> calls, std::function<void()> body) {
+    return thread.start([enforce, calls, body = std::move(body)] {
+      if (enforce) {
+        ODOLESS_CHECK(enforce_real_time(calls) == 0);  // asked for, and no kernel of ours is without it
+      }
+      body();
+    });
+  };
+  const std::atomic<bool>& before_filter = matcher_ ? pipeline_.matcher.done : pipeline_.sensor.done;
+  int error = 0;
+  if (filter_loop_) {
+    error = run(filter_thread_, worker_system_calls(), [this, &before_filter] { filter_loop_->run(before_filter); });
+  }
+  if (matcher_loop_ && error == 0) {
+    error = run(matcher_thread_, worker_system_calls(), [this] { matcher_loop_->run(); });
+  }
+  return error != 0 ? error : run(sensor_thread_, sensor_system_calls(), [this] { sensor_loop_->run(); });
+}
+
+bool Machine::stop(std::int64_t patience_ns) {
+  pipeline_.stopping.store(true, std::memory_order_release);
+  pipeline_.sensor.wake.notify();
+  const std::int64_t end_ns = clock_.now_ns() + patience_ns;
+  while (!has_ended()) {
+    if (clock_.now_ns() > end_ns) {
+      return false;
+    }
+    publisher_.round(clock_.now_ns());
+    sleep_ns(kRoomWait_ns);
+  }
+  sensor_thread_.join();
+  matcher_thread_.join();
+  filter_thread_.join();
+  publisher_.round(clock_.now_ns());
+  return true;
+}
+
+bool Machine::is_alive() {
+  const std::array<const std::atomic<std::uint64_t>*, kStages> now{
+      &pipeline_.sensor.heartbeat, &pipeline_.matcher.heartbeat, &pipeline_.filter.heartbeat};
+  const std::array<bool, kStages> resting{pipeline_.sensor.done, !matcher_ || pipeline_.matcher.done,
+                                          !filter_ || pipeline_.filter.done};
+  bool alive = true;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const std::uint64_t beat = now.at(i)->load(std::memory_order_relaxed);
+    alive = alive && (resting.at(i) || beat != heartbeats_.at(i));
+    heartbeats_.at(i) = beat;
+  }
+  return alive;
+}
+
+bool Machine::has_ended() const {
+  return pipeline_.sensor.done && (!matcher_ || pipeline_.matcher.done) && (!filter_ || pipeline_.filter.done);
+}
+
+int Machine::scheduling_error() const {
+  for (const RealTimeThread* const thread : {&sensor_thread_, &matcher_thread_, &filter_thread_}) {
+    if (const int error = thread->scheduling_error() != 0 ? thread->scheduling_error() : thread->affinity_error();
+        thread->started() && error != 0) {
+      return error;
+    }
+  }
+  return 0;
+}
+
+DaemonResult Machine::result() {
+  DaemonResult result;
+  result.online_trajectory = publisher_.online_poses();
+  if (has_ended() && filter_) {
+    std::vector<StampedPose> path;
+    filter_->filter().write_path(path);
+    filter_->filter().write_occupancy(result.map);
+    result.trajectory = publisher_.final_poses(path);
+  } else {
+    result.map = publisher_.map();
+    result.trajectory = result.online_trajectory;
+  }
+  result.health = publisher_.health();
+  result.wall_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
+  return result;
+}
+
+}  // namespace odoless

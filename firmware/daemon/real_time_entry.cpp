@@ -1,0 +1,35 @@
+#include "firmware/daemon/real_time_entry.hpp"
+
+#include <sys/syscall.h>
+
+#include <array>
+
+#include "rt/heap_guard.hpp"
+#include "rt/system_call_guard.hpp"
+
+namespace odoless {
+namespace {
+
+// Both: waiting and waking (ppoll, read, write on an eventfd; clock_nanosleep in a lossless replay), the CPU clock
+// (clock_gettime), page faults (getrusage), and the end of a thread (the last four).
+constexpr std::array<int, 10> kWorkerCalls{SYS_ppoll,         SYS_read,      SYS_write, SYS_clock_nanosleep,
+                                           SYS_clock_gettime, SYS_getrusage, SYS_exit,  SYS_rt_sigprocmask,
+                                           SYS_madvise,       SYS_futex};
+
+// Besides: the laser's line (read, write; ioctl for its rate) or a socket (recvfrom, recvmsg).
+constexpr std::array<int, 13> kSensorCalls{
+    SYS_ppoll,          SYS_read,    SYS_write, SYS_clock_nanosleep, SYS_clock_gettime, SYS_getrusage, SYS_exit,
+    SYS_rt_sigprocmask, SYS_madvise, SYS_futex, SYS_ioctl,           SYS_recvfrom,      SYS_recvmsg};
+
+}  // namespace
+
+std::span<const int> sensor_system_calls() { return kSensorCalls; }
+std::span<const int> worker_system_calls() { return kWorkerCalls; }
+
+int enforce_real_time(std::span<const int> allowed_system_calls) {
+  const int error = restrict_system_calls(allowed_system_calls);
+  forbid_heap_on_this_thread();
+  return error;
+}
+
+}  // namespace odoless

@@ -1,0 +1,248 @@
+#include "firmware/daemon/supervisor.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/signalfd.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstring>
+#include <numbers>
+
+#include "firmware/daemon/log.hpp"
+#include "firmware/daemon/service_manager.hpp"
+#include "firmware/health/health_text.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr const char* kCommands = "status, save, reset, pose X_M Y_M YAW_DEG, pause, resume, stop";
+
+FileDescriptor block_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
+    sigaddset(&set, signal);
+  }
+  static_cast<void>(pthread_sigmask(SIG_BLOCK, &set, nullptr));
+  return FileDescriptor(::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
+}
+
+std::optional<Pose2> parse_pose(std::string_view text) {
+  std::array<double, 3> numbers{};
+  for (double& number : numbers) {
+    text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || !std::isfinite(number)) {
+      return std::nullopt;
+    }
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  }
+  return Pose2{numbers[0], numbers[1], wrap_angle(numbers[2] * std::numbers::pi / 180.0)};
+}
+
+}  // namespace
+
+Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t standing_reasons)
+    : options_(options),
+      machine_(machine),
+      keeper_(options.params.lrf, machine.line(), machine.pipeline().sensor.wake),
+      signals_(block_signals()) {
+  surroundings_.standing_reasons = standing_reasons;
+  surroundings_.device_tried = false;
+}
+
+int Supervisor::run() {
+  open_control();
+  notify_service_manager("READY=1");
+  while (!ending_ && !machine_.has_ended()) {
+    wait();
+    keep_laser_open();
+    if (!watch()) {
+      log_line(EventPriority::kCritical, "a stage hangs: the daemon ends, to be started again (pipeline.watchdog_ms)");
+      ::_exit(EX_SOFTWARE);
+    }
+  }
+  return end();
+}
+
+int Supervisor::open_laser() {
+  if (!machine_.reads_laser()) {
+    return EX_OK;
+  }
+  laser_error_ = keeper_.tick(machine_.clock().now_ns());
+  if (laser_error_ == Errc::kOk) {
+    return EX_OK;
+  }
+  const std::string& device = options_.params.lrf.device;
+  if (laser_error_ != Errc::kDeviceMissing) {
+    log_line(EventPriority::kError, fmt::format("{}: {} (lrf.device)", device, describe(laser_error_)));
+    return laser_error_ == Errc::kDeviceDenied ? EX_NOPERM : EX_UNAVAILABLE;
+  }
+  log_line(EventPriority::kWarning,
+           fmt::format("{}: {}; it is opened as soon as it is there (lrf.device)", device, describe(laser_error_)));
+  surroundings_.device_tried = true;
+  return EX_OK;
+}
+
+void Supervisor::open_control() {
+  const std::string& path = options_.params.control.socket;
+  if (const int error = path.empty() ? 0 : control_.open(path); error != 0) {
+    log_line(EventPriority::kWarning, fmt::format("{}: no socket for commands: {} (control.socket)", path,
+                                                  std::strerror(error)));  // NOLINT(concurrency-mt-unsafe)
+  }
+}
+
+void Supervisor::wait() {
+  std::array<pollfd, 2> ready{pollfd{.fd = signals_.get(), .events = POLLIN, .revents = 0},
+                              pollfd{.fd = control_.descriptor(), .events = POLLIN, .revents = 0}};
+  const timespec timeout{.tv_sec = 0, .tv_nsec = kRound_ns};
+  if (::ppoll(ready.data(), ready.size(), &timeout, nullptr) <= 0) {
+    return;
+  }
+  if ((ready[0].revents & POLLIN) != 0) {
+    handle_signal();
+  }
+  if ((ready[1].revents & POLLIN) != 0) {
+    control_.serve([this](std::string_view command) { return obey(command); });
+  }
+}
+
+void Supervisor::handle_signal() {
+  signalfd_siginfo info{};
+  while (::read(signals_.get(), &info, sizeof(info)) == static_cast<ssize_t>(sizeof(info))) {
+    if (info.ssi_signo == SIGHUP) {
+      reload();
+    } else {
+      ending_ = true;
+    }
+  }
+}
+
+void Supervisor::keep_laser_open() {
+  if (!machine_.reads_laser()) {
+    return;
+  }
+  const Errc error = keeper_.tick(machine_.clock().now_ns());
+  if (error != Errc::kOk && error != laser_error_) {
+    log_line(EventPriority::kWarning, fmt::format("{}: {}", options_.params.lrf.device, describe(error)));
+  }
+  if (error != Errc::kOk) {
+    laser_error_ = error;
+    surroundings_.device_tried = true;
+  } else if (machine_.line().in_use) {
+    laser_error_ = Errc::kOk;
+    surroundings_.device_tried = false;
+  }
+}
+
+bool Supervisor::watch() {
+  const std::int64_t now_ns = machine_.clock().now_ns();
+  if (now_ns < next_watch_ns_) {
+    return true;
+  }
+  next_watch_ns_ = now_ns + kWatch_ns;
+  // Rounds are counted and not time, so that a process that was stopped as a whole is not taken for one that hangs.
+  silent_ns_ = machine_.is_alive() ? 0 : silent_ns_ + kWatch_ns;
+  surroundings_.stage_silent = silent_ns_ > 0 && silent_ns_ + kWatch_ns > options_.params.pipeline.watchdog_ns / 2;
+  machine_.publisher().set_surroundings(surroundings_);
+  if (silent_ns_ == 0) {
+    notify_service_manager(fmt::format("WATCHDOG=1\nSTATUS={}", state_sentence(machine_.publisher().health())));
+  }
+  return silent_ns_ < options_.params.pipeline.watchdog_ns;
+}
+
+void Supervisor::reload() {
+  DaemonParams params = options_.params;
+  const std::string wrong = options_.reload ? options_.reload(params) : "there is no configuration file";
+  if (!wrong.empty()) {
+    log_line(EventPriority::kError, fmt::format("the configuration stays as it was: {}", wrong));
+    return;
+  }
+  options_.params.health = params.health;
+  machine_.publisher().set_health_params(params.health);
+  log_line(EventPriority::kNotice, "configuration read: [health] is in force; all else needs a restart");
+}
+
+std::string Supervisor::obey(std::string_view command) {
+  const std::string_view word = command.substr(0, command.find(' '));
+  const std::string_view arguments = command.substr(std::min(word.size() + 1, command.size()));
+  if (word == "status") {
+    return status_text();
+  }
+  if (word == "save") {
+    const std::string wrong = save();
+    return wrong.empty() ? fmt::format("ok: saved to {}\n", options_.folder.string()) : "error: " + wrong + "\n";
+  }
+  if (word == "stop") {
+    ending_ = true;
+    return "ok\n";
+  }
+  return command_filter(word, arguments);
+}
+
+std::string Supervisor::command_filter(std::string_view word, std::string_view arguments) {
+  FilterCommand command;
+  if (word == "reset") {
+    command.kind = FilterCommand::Kind::kReset;
+  } else if (word == "pause" || word == "resume") {
+    command.kind = word == "pause" ? FilterCommand::Kind::kPause : FilterCommand::Kind::kResume;
+  } else if (word == "pose") {
+    const std::optional<Pose2> pose = parse_pose(arguments);
+    if (!pose) {
+      return "error: pose needs three numbers: X_M Y_M YAW_DEG\n";
+    }
+    command = {FilterCommand::Kind::kSetPose, *pose};
+  } else {
+    return fmt::format("error: '{}' is no command; there are {}\n", word, kCommands);
+  }
+  if (!has_filter(options_.stages)) {
+    return "error: the filter runs elsewhere\n";
+  }
+  if (!machine_.pipeline().commands.try_push(command)) {
+    return "error: too many commands wait\n";
+  }
+  machine_.pipeline().filter.wake.notify();
+  return "ok\n";
+}
+
+std::string Supervisor::status_text() {
+  const HealthReport health = machine_.publisher().health();
+  return fmt::format(
+      "{}\nscans {} accepted, {} rejected, {} dropped, {:.1f} Hz, age {:.3f} s\n"
+      "fitness {:.2f}, particles {}, effective {:.0f}, map pool {:.0f} %\n"
+      "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n",
+      state_sentence(health), health.lrf.accepted, health.lrf.rejected, health.lrf.dropped, health.lrf.rate_hz,
+      health.lrf.age_s, health.fitness, health.particles, health.effective_particles, 100.0 * health.map_pool_used,
+      health.stages[kMatcherStage].p50_ms, health.stages[kMatcherStage].p99_ms, health.stages[kMatcherStage].max_ms,
+      health.stages[kFilterStage].p50_ms, health.stages[kFilterStage].p99_ms, health.stages[kFilterStage].max_ms);
+}
+
+std::string Supervisor::save() {
+  if (options_.folder.empty() || !options_.save) {
+    return "there is no folder for results (odolessd --out)";
+  }
+  return options_.save(machine_.result());
+}
+
+int Supervisor::end() {
+  notify_service_manager("STOPPING=1");
+  if (!machine_.stop(kDrain_ns)) {
+    log_line(EventPriority::kCritical, "a stage does not end; results are not saved");
+    ::_exit(EX_SOFTWARE);
+  }
+  if (options_.folder.empty() || !options_.save) {
+    return EX_OK;
+  }
+  const std::string wrong = save();
+  if (!wrong.empty()) {
+    log_line(EventPriority::kError, wrong);
+  }
+  return wrong.empty() ? EX_OK : EX_CANTCREAT;
+}
+
+}  // namespace odoless

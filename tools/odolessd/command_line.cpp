@@ -1,0 +1,143 @@
+#include "tools/odolessd/command_line.hpp"
+
+#include <fmt/core.h>
+#include <sysexits.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+
+#include "config/config.hpp"
+#include "firmware/daemon/daemon.hpp"
+#include "rt/clock.hpp"
+#include "tools/command/error.hpp"
+#include "tools/odolessd/replay_source.hpp"
+#include "tools/odolessd/save.hpp"
+#include "tools/output/whole_file.hpp"
+
+namespace odoless {
+namespace {
+
+struct Arguments {
+  std::string config;
+  std::string out;
+  std::string stages = "sensor,matcher,filter";
+  std::string replay;
+  double rate = 0.0;
+  double period_ms = 200.0;
+  std::uint64_t seed = 1;
+  bool check = false;
+  bool require_realtime = false;
+  bool enforce_realtime = false;
+};
+
+void define(CLI::App& app, Arguments& arguments) {
+  app.set_version_flag("--version", "odolessd " ODOLESS_VERSION);
+  app.failure_message(CLI::FailureMessage::simple);
+  app.add_option("--config", arguments.config, "TOML file of the robot (see `odoless config defaults`)");
+  app.add_flag("--check", arguments.check, "Read the configuration, say what is wrong with it, and end");
+  app.add_option("--out", arguments.out, "Folder for map, trajectories and summary, written at the end");
+  app.add_option("--stages", arguments.stages, "What runs here; the rest runs elsewhere: " + std::string(kStageSets))
+      ->capture_default_str();
+  app.add_option("--replay", arguments.replay, "A recorded log instead of the laser; ends with it");
+  app.add_option("--rate", arguments.rate,
+                 "Recorded seconds per second; 0: as fast as possible, and nothing is dropped")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--period-ms", arguments.period_ms, "Time between scans of a log without stamps")
+      ->check(CLI::Range(0.001, 1e6))
+      ->capture_default_str();
+  app.add_option("--seed", arguments.seed, "Seed of the random generator")->capture_default_str();
+  app.add_flag("--require-realtime", arguments.require_realtime,
+               "End with status 77 where real-time scheduling or locked memory is refused");
+  app.add_flag("--enforce-realtime", arguments.enforce_realtime,
+               "Kill the daemon when a real-time thread makes a system call that is not on its list, or uses the heap");
+}
+
+StageSet stages_of(const std::string& text) {
+  const std::optional<StageSet> stages = parse_stages(text);
+  if (!stages) {
+    throw UsageError(fmt::format("--stages {}: must be {}", text, kStageSets));
+  }
+  return *stages;
+}
+
+DaemonOptions options_of(const Arguments& arguments) {
+  DaemonOptions options;
+  if (!arguments.config.empty()) {
+    load_parameters(arguments.config, options.params);
+  }
+  options.stages = stages_of(arguments.stages);
+  options.seed = arguments.seed;
+  options.require_realtime = arguments.require_realtime;
+  options.enforce_realtime = arguments.enforce_realtime;
+  options.folder = arguments.out;
+  options.save = [folder = options.folder](const DaemonResult& result) { return save_result(folder, result); };
+  options.reload = [config = arguments.config](DaemonParams& params) -> std::string {
+    try {
+      params = {};
+      load_parameters(config, params);
+      return "";
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+  };
+  return options;
+}
+
+void add_replay(const Arguments& arguments, DaemonOptions& options) {
+  if (!has_matcher(options.stages)) {
+    throw UsageError("--replay needs the sensor and matcher stages here");
+  }
+  ScanLog log = read_scan_log(arguments.replay, static_cast<std::int64_t>(arguments.period_ms * 1e6));
+  constexpr std::int64_t kHead_ns = 200'000'000;  // for the threads to be there
+  options.source = std::make_unique<ReplaySource>(std::move(log), arguments.rate, MonotonicClock().now_ns() + kHead_ns);
+  options.lossless = arguments.rate <= 0.0;
+}
+
+int run(const Arguments& arguments) {
+  DaemonOptions options = options_of(arguments);
+  if (arguments.check) {
+    fmt::print("{}: valid\n", arguments.config.empty() ? "built-in configuration" : arguments.config);
+    return EX_OK;
+  }
+  if (!arguments.out.empty()) {
+    make_output_folder(arguments.out);
+  }
+  if (!arguments.replay.empty()) {
+    add_replay(arguments, options);
+  }
+  return run_daemon(std::move(options));
+}
+
+int fail(int status, const char* what, const char* reason) {
+  static_cast<void>(std::fprintf(stderr, "odolessd: %s%s\n", what, reason));
+  return status;
+}
+
+}  // namespace
+
+int run_odolessd(int argc, const char* const* argv) {
+  CLI::App app("SLAM for robots without odometry: the daemon", "odolessd");
+  Arguments arguments;
+  define(app, arguments);
+  try {
+    app.parse(argc, argv);
+    return run(arguments);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? EX_OK : EX_USAGE;
+  } catch (const UserError& error) {
+    return fail(error.exit_code(), "", error.what());
+  } catch (const ConfigError& error) {
+    return fail(EX_CONFIG, "", error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(EX_OSERR, "", "out of memory");
+  } catch (const std::exception& error) {
+    return fail(EX_SOFTWARE, "internal error: ", error.what());
+  }
+}
+
+}  // namespace odoless

@@ -1,0 +1,24 @@
+#include "tools/odolessd/replay_source.hpp"
+
+#include <utility>
+
+namespace odoless {
+
+ReplaySource::ReplaySource(ScanLog log, double rate, std::int64_t start_ns)
+    : log_(std::move(log)), rate_(rate), start_ns_(start_ns) {}
+
+std::int64_t ReplaySource::next_deadline_ns() const {
+  if (is_exhausted() || rate_ <= 0.0) {
+    return 0;
+  }
+  const std::int64_t since_ns = log_.scans[next_].stamp_ns - log_.scans.front().stamp_ns;
+  return start_ns_ + static_cast<std::int64_t>(static_cast<double>(since_ns) / rate_);
+}
+
+void ReplaySource::work(std::int64_t now_ns, ScanSink& sink) {
+  if (!is_exhausted() && now_ns >= next_deadline_ns()) {
+    sink.on_scan(log_.scans[next_++].raw());
+  }
+}
+
+}  // namespace odoless
