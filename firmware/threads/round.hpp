@@ -35,10 +35,11 @@ class ThreadMeter {
       }
       report.page_faults = faults - faults_before_;
     }
-    report.allocations = heap_is_watched() ? heap_calls_on_this_thread() - heap_calls_before_ : -1;
+    report.allocations = watched_ ? heap_calls_on_this_thread() - heap_calls_before_ : -1;
   }
 
  private:
+  bool watched_ = heap_is_watched();  // the question itself uses the heap
   std::int64_t asked_ = 0;
   std::int64_t faults_before_ = 0;
   std::int64_t heap_calls_before_ = 0;
