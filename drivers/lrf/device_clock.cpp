@@ -12,7 +12,8 @@ constexpr double kResolutionS = 1e-3;
 constexpr double kDriftRatioMax = 1.2e-3;
 constexpr double kBucketS = 0.25;
 constexpr double kSpanForDriftS = 2.0;
-constexpr double kEarlyMaxS = 0.02;  ///< more than the jitter that the first stamps may have had
+constexpr double kEarlyMaxS = 0.02;
+constexpr int kBucketsToTrust = 4;
 constexpr double kLateMaxS = 0.5;
 constexpr double kSameResetS = 0.05;
 constexpr int kConfirmations = 3;
@@ -69,7 +70,8 @@ double DeviceClock::late_s(const Sample& sample) const {
 bool DeviceClock::plausible(const Sample& sample) const {
   const double step_s = sample.device_s - static_cast<double>(last_device_ms_ - device_origin_ms_) * kResolutionS;
   const bool follows = step_s > period_s_ / 2.0 && (step_s < 1.0 || late_s(sample) < kLateMaxS);
-  return follows && late_s(sample) > -kEarlyMaxS;
+  // At first, what came before may have been late; that it is early then is news.
+  return follows && late_s(sample) > (count_ < kBucketsToTrust ? -kLateMaxS : -kEarlyMaxS);
 }
 
 bool DeviceClock::confirmed_reset(const Sample& sample) {
