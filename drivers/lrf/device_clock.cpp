@@ -12,10 +12,13 @@ constexpr double kResolutionS = 1e-3;
 constexpr double kDriftRatioMax = 1.2e-3;
 constexpr double kBucketS = 0.25;
 constexpr double kSpanForDriftS = 2.0;
-constexpr double kEarlyMaxS = 0.02;  ///< more than the jitter that the first stamps may have had
+constexpr double kEarlyMaxS = 0.02;
+constexpr int kBucketsToTrust = 4;
 constexpr double kLateMaxS = 0.5;
 constexpr double kSameResetS = 0.05;
 constexpr int kConfirmations = 3;
+constexpr double kTurnsRemembered = 400.0;
+constexpr double kTurnsMax = 20.0;
 
 /// Nearest to 0 of all numbers that differ by whole wraps.
 std::int64_t wrapped(std::int64_t difference_ms) {
@@ -43,6 +46,8 @@ void DeviceClock::restart(std::uint32_t device_ms, std::int64_t arrival_ns) {
   offset_s_ = 0.0;
   drift_ratio_ = 0.0;
   count_ = 0;
+  even_s_ = -1e9;
+  turn_s_ = period_s_;
   started_ = true;
 }
 
@@ -65,7 +70,8 @@ double DeviceClock::late_s(const Sample& sample) const {
 bool DeviceClock::plausible(const Sample& sample) const {
   const double step_s = sample.device_s - static_cast<double>(last_device_ms_ - device_origin_ms_) * kResolutionS;
   const bool follows = step_s > period_s_ / 2.0 && (step_s < 1.0 || late_s(sample) < kLateMaxS);
-  return follows && late_s(sample) > -kEarlyMaxS;
+  // At first, what came before may have been late; that it is early then is news.
+  return follows && late_s(sample) > (count_ < kBucketsToTrust ? -kLateMaxS : -kEarlyMaxS);
 }
 
 bool DeviceClock::confirmed_reset(const Sample& sample) {
@@ -123,6 +129,29 @@ void DeviceClock::fit() {
   }
 }
 
+// The mirror turns evenly, so that between the whole milliseconds of the counter lies what the turns before it predict.
+// An alpha-beta filter with the gains of a line fitted to all scans so far, at most kTurnsRemembered [brookner1998],
+// held within the millisecond that the counter tells.
+double DeviceClock::even_s(double counter_s) {
+  const double middle_s = counter_s + kResolutionS / 2.0;
+  const double turns = std::round((middle_s - even_s_) / turn_s_);
+  if (turns < 1.0 || turns > kTurnsMax) {
+    even_s_ = middle_s;
+    turn_s_ = period_s_;
+    turns_seen_ = 1.0;
+    return even_s_;
+  }
+  turns_seen_ = std::min(turns_seen_ + turns, kTurnsRemembered);
+  const double both = turns_seen_ * (turns_seen_ + 1.0);
+  const double alpha = 2.0 * (2.0 * turns_seen_ - 1.0) / both;
+  const double beta = 6.0 / both;
+  const double predicted_s = even_s_ + turns * turn_s_;
+  const double error_s = middle_s - predicted_s;
+  even_s_ = std::clamp(predicted_s + alpha * error_s, counter_s, counter_s + kResolutionS);
+  turn_s_ = std::clamp(turn_s_ + beta * error_s / turns, 0.8 * period_s_, 1.25 * period_s_);
+  return even_s_;
+}
+
 std::int64_t DeviceClock::in_order(std::int64_t stamp_ns) {
   const std::int64_t whole_us = stamp_ns / 1000;
   last_stamp_ns_ = std::max(whole_us * 1000, last_stamp_ns_ + 1000);
@@ -155,10 +184,12 @@ Result<std::int64_t> DeviceClock::host_ns(std::uint32_t device_ms, std::int64_t 
   suspects_ = 0;
   last_device_ms_ = device_origin_ms_ + std::llround(now.device_s / kResolutionS);
   last_arrival_ns_ = arrival_ns;
+  now.offset_s += now.device_s;
+  now.device_s = even_s(now.device_s);
+  now.offset_s -= now.device_s;
   learn(now);
   fit();
-  // The counter is cut to whole milliseconds, and the envelope lies below by as much as the least that was cut off.
-  const double host_s = now.device_s + offset_s_ + drift_ratio_ * now.device_s + kResolutionS / 2.0;
+  const double host_s = now.device_s + offset_s_ + drift_ratio_ * now.device_s;
   return in_order(std::min(host_origin_ns_ + to_ns(host_s), arrival_ns - delay_ns_));
 }
 

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "config/config_error.hpp"
+#include "tools/command/emulate.hpp"
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
 #include "tools/command/info.hpp"
@@ -29,6 +30,7 @@ void add_commands(CLI::App& app) {
   add_info(app);
   add_eval(app);
   add_sim(app);
+  add_emulate(app);
   add_config(app);
 }
 

@@ -36,9 +36,10 @@ ReplyReader::Outcome ReplyReader::end_line() {
     clear();
     return cut ? Outcome::kCut : Outcome::kMore;
   }
-  const bool starts_anew = (lines_ > 0 || too_long_) && !stream_echo_.empty() && line == stream_echo_;
+  // At the end of a line will do: the byte before it may be what became of the lost line end.
+  const bool starts_anew = (lines_ > 0 || too_long_) && !stream_echo_.empty() && line.ends_with(stream_echo_);
   if (starts_anew || lines_ == ends_.size()) {
-    drop_all_but(line);
+    drop_all_but(starts_anew ? line.substr(line.size() - stream_echo_.size()) : line);
     too_long_ = !starts_anew;
   }
   ends_[lines_++] = used_;

@@ -10,7 +10,11 @@ namespace {
 
 constexpr double kBitsPerByte = 10.0;  ///< with start and stop bit
 
-double to_float_precision(double value) { return static_cast<double>(static_cast<float>(value)); }
+/// Volatile, for GCC 12 leaves out the rounding where it vectorises two of these.
+double to_float_precision(double value) {
+  const volatile auto rounded = static_cast<float>(value);
+  return static_cast<double>(rounded);
+}
 
 const char* command(LrfReading reading) {
   switch (reading) {

@@ -1,0 +1,140 @@
+#include "tools/command/emulate.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "rt/cpu_clock.hpp"
+#include "tools/command/error.hpp"
+#include "tools/emulate/log_source.hpp"
+#include "tools/emulate/lrf_emulator.hpp"
+#include "tools/emulate/world_source.hpp"
+#include "tools/sim/world_file.hpp"
+
+namespace odoless {
+namespace {
+
+struct EmulateLrfOptions {
+  std::string from;
+  std::string pty;
+  std::string model = "utm-30lx";
+  std::string truth;
+  double rate_ratio = 1.0;
+  double noise_sd_m = -1.0;  ///< negative: the model's
+  double start_delay_s = 0.0;
+  double duration_s = 0.0;  ///< 0: for ever
+  std::uint64_t seed = 1;
+  std::uint32_t counter_ms = 0;
+  bool distortion = false;
+  bool start_at_once = false;
+  bool stop_at_end = false;
+  std::vector<std::string> faults;
+};
+
+std::unique_ptr<ScanSource> make_source(const EmulateLrfOptions& options, const ScipModel& model) {
+  if (std::filesystem::path(options.from).extension() != ".world") {
+    if (!options.truth.empty()) {
+      throw UsageError("--truth: a log doesn't know where the robot truly was; expected --from WORLD.world");
+    }
+    return std::make_unique<LogSource>(model, read_scan_log(options.from), options.rate_ratio);
+  }
+  return std::make_unique<WorldSource>(
+      model, WorldDrive{.world = read_world(options.from),
+                        .start_delay_s = options.start_delay_s,
+                        .speed_ratio = options.rate_ratio,
+                        .noise_sd_m = options.noise_sd_m < 0.0 ? model.range_sd_m : options.noise_sd_m,
+                        .distortion = options.distortion,
+                        .seed = options.seed});
+}
+
+ScipDeviceOptions device_options(const EmulateLrfOptions& options) {
+  ScipDeviceOptions device{.faults = {},
+                           .starts_at_once = options.start_at_once,
+                           .counter_start_ms = options.counter_ms,
+                           .seed = options.seed};
+  for (const std::string& fault : options.faults) {
+    device.faults.push_back(parse_fault(fault));
+  }
+  return device;
+}
+
+void say(const std::string& line) {
+  fmt::print("{}\n", line);
+  static_cast<void>(std::fflush(stdout));  // a script waits for it
+}
+
+void run(const EmulateLrfOptions& options) {
+  const ScipModel& model = *find_scip_model(options.model);
+  const ScipDeviceOptions device_settings = device_options(options);
+  const std::unique_ptr<ScanSource> source = make_source(options, model);
+  const PseudoTerminal line(options.pty);
+  ScipDevice device(model, *source, device_settings, monotonic_ns());
+  say(fmt::format("{}: {} on {}", options.pty, model.product, line.path()));
+  LrfEmulatorOptions loop{.truth = options.truth, .stops_at_end = options.stop_at_end};
+  if (options.duration_s > 0.0) {
+    loop.duration_ns = std::llround(options.duration_s * 1e9);
+  }
+  const LrfEmulation done = emulate_lrf(device, *source, line, loop, [] { say("path done"); });
+  say(fmt::format("{} scans sent, {} dropped", done.scans, done.dropped));
+}
+
+std::vector<std::string> model_names() {
+  std::vector<std::string> names;
+  for (const ScipModel& model : scip_models()) {
+    names.emplace_back(model.name);
+  }
+  return names;
+}
+
+void add_time_options(CLI::App& command, EmulateLrfOptions& options) {
+  command.add_option("--rate", options.rate_ratio, "How many times faster than its path or its log the robot moves")
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+  command.add_option("--start-delay-s", options.start_delay_s, "How long the robot of a world stands before it drives")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command.add_flag("--start-at-once", options.start_at_once,
+                   "Start the drive at once, and not when the laser is asked for scans first");
+  command.add_option("--duration-s", options.duration_s, "Stop after this time [SIGTERM stops it]")
+      ->check(CLI::Range(0.001, 1e9));
+  command.add_flag("--stop-at-end", options.stop_at_end, "Stop when the path or the log is over");
+}
+
+void add_lrf(CLI::App& emulate) {
+  auto options = std::make_shared<EmulateLrfOptions>();
+  CLI::App* const command =
+      emulate.add_subcommand("lrf", "A Hokuyo laser (SCIP 2.0) on a pseudo-terminal, until it is stopped");
+  command->add_option("--from", options->from, "World file (*.world), or a log of any kind that replay reads")
+      ->required();
+  command->add_option("--pty", options->pty, "Link to make to the line's end for the client")->required();
+  command->add_option("--model", options->model, "Laser to be")
+      ->check(CLI::IsMember(model_names()))
+      ->capture_default_str();
+  add_time_options(*command, *options);
+  command->add_option("--noise-sd-m", options->noise_sd_m, "Deviation of a world's ranges [the model's]")
+      ->check(CLI::Range(0.0, 10.0));
+  command->add_flag("--distortion", options->distortion, "Cast each beam of a world at its own time");
+  command->add_option("--seed", options->seed, "Seed of the noise")->capture_default_str();
+  command->add_option("--truth", options->truth,
+                      "File for the true pose at each scan sent (TUM), stamped as odolessd does");
+  command->add_option("--counter-ms", options->counter_ms, "What the device's clock shows at first; it wraps at 2^24")
+      ->check(CLI::Range(0, (1 << 24) - 1));
+  command->add_option(
+      "--fault", options->faults,
+      "KIND[=VALUE]@SECONDS[:DURATION] since the first stream, may be repeated; KIND: " + fault_names());
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace
+
+void add_emulate(CLI::App& app) {
+  CLI::App* const command = app.add_subcommand("emulate", "Be a device that isn't there");
+  command->require_subcommand(1);
+  add_lrf(*command);
+}
+
+}  // namespace odoless

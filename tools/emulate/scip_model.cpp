@@ -1,0 +1,55 @@
+#include "tools/emulate/scip_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+namespace odoless {
+namespace {
+
+constexpr std::array<ScipModel, 2> kModels{{
+    {.name = "utm-30lx",
+     .product = "UTM-30LX",
+     .range_min_mm = 23,
+     .range_max_mm = 60000,
+     .range_far_mm = 30000,
+     .steps_per_turn = 1440,
+     .first_step = 0,
+     .last_step = 1080,
+     .front_step = 540,
+     .turns_per_minute = 2400,
+     .boots_in_scip1 = false,
+     .far_code = 1,
+     .near_code = 2,
+     .range_sd_m = 0.010},
+    {.name = "urg-04lx",
+     .product = "URG-04LX",
+     .range_min_mm = 20,
+     .range_max_mm = 5600,
+     .range_far_mm = 5600,
+     .steps_per_turn = 1024,
+     .first_step = 44,
+     .last_step = 725,
+     .front_step = 384,
+     .turns_per_minute = 600,
+     .boots_in_scip1 = true,
+     .far_code = 0,
+     .near_code = 7,
+     .range_sd_m = 0.010},
+}};
+
+}  // namespace
+
+double ScipModel::angle_rad(int beam) const {
+  return (first_step + beam - front_step) * 2.0 * std::numbers::pi / steps_per_turn;
+}
+
+std::span<const ScipModel> scip_models() { return kModels; }
+
+const ScipModel* find_scip_model(std::string_view name) {
+  const auto* const found =
+      std::find_if(kModels.begin(), kModels.end(), [&](const ScipModel& m) { return m.name == name; });
+  return found == kModels.end() ? nullptr : found;
+}
+
+}  // namespace odoless

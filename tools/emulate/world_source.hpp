@@ -1,0 +1,40 @@
+#pragma once
+
+#include "core/base/rng.hpp"
+#include "tools/emulate/scan_source.hpp"
+#include "tools/emulate/scip_model.hpp"
+#include "tools/sim/path.hpp"
+#include "tools/sim/world.hpp"
+
+namespace odoless {
+
+/// A drive through a simulated world.
+struct WorldDrive {
+  World world;
+  double start_delay_s = 0.0;  ///< how long the robot stands at the start of its path
+  double speed_ratio = 1.0;    ///< how many times faster than its path says it drives
+  double noise_sd_m = 0.01;
+  bool distortion = false;  ///< whether each beam is cast at its own time, and not all at the time of the first
+  std::uint64_t seed = 1;
+};
+
+/// The scans of a laser that is driven through a world. The same drive gives the same ranges, scan by scan.
+class WorldSource final : public ScanSource {
+ public:
+  WorldSource(const ScipModel& model, WorldDrive drive);
+
+  [[nodiscard]] std::int64_t start_ns(std::int64_t index) const override { return index * model_.turn_ns(); }
+  void measure(std::int64_t index, std::span<double> ranges_m) override;
+  [[nodiscard]] std::optional<Pose2> world_T_robot(std::int64_t index) const override;
+  [[nodiscard]] std::int64_t duration_ns() const override;
+
+ private:
+  [[nodiscard]] std::int64_t first_beam_ns(std::int64_t index) const;
+  [[nodiscard]] Pose2 pose_at(std::int64_t time_ns) const;
+
+  ScipModel model_;
+  WorldDrive drive_;
+  Path path_;
+};
+
+}  // namespace odoless
