@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "core/base/check.hpp"
+#include "firmware/lcm/decode.hpp"
+
+namespace odoless::test {
+
+inline void check_pose(const Pose2& pose) {
+  ODOLESS_CHECK(std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.yaw_rad));
+}
+
+inline void check_scan(const RawScan& scan) {
+  ODOLESS_CHECK(scan.stamp_ns >= 0 && scan.stamp_ns % 1000 == 0);
+  ODOLESS_CHECK(std::isfinite(scan.start_angle_rad) && std::isnormal(scan.angle_step_rad));
+  for (const float range_m : scan.ranges_m) {
+    ODOLESS_CHECK(range_m == 0.0F || std::isnormal(range_m) || std::isinf(range_m));
+    ODOLESS_CHECK(range_m >= 0.0F);
+  }
+}
+
+inline void check_motion(const MotionRecord& motion) {
+  ODOLESS_CHECK(motion.from_stamp_ns >= 0 && motion.from_stamp_ns <= motion.to_stamp_ns);
+  check_pose(motion.odom_T_scan);
+  check_pose(motion.previous_T_current);
+  for (const double entry : motion.covariance) {
+    ODOLESS_CHECK(entry == 0.0 || std::isnormal(entry));
+  }
+  ODOLESS_CHECK(motion.covariance[0] >= 0.0 && motion.covariance[4] >= 0.0 && motion.covariance[8] >= 0.0);
+  ODOLESS_CHECK(motion.fitness >= 0.0 && motion.second_peak_ratio >= 0.0 && motion.evaluations >= 0);
+}
+
+/// Gives any bytes to both decoders and breaks off if one accepts what is not sane. The error, kOk if one accepts.
+inline Errc decode_any(std::span<const std::byte> message) {
+  std::array<float, 64> room;
+  const Result<RawScan> scan = decode_scan(message, room);
+  if (scan.ok()) {
+    check_scan(scan.value());
+    return Errc::kOk;
+  }
+  const Result<MotionRecord> motion = decode_motion(message);
+  if (motion.ok()) {
+    check_motion(motion.value());
+    return Errc::kOk;
+  }
+  return scan.error() == Errc::kUnknownType ? motion.error() : scan.error();
+}
+
+}  // namespace odoless::test

@@ -1,0 +1,223 @@
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <set>
+
+#include "core/base/rng.hpp"
+#include "firmware/lcm/decode.hpp"
+#include "firmware/lcm/messages.hpp"
+#include "tests/firmware/lcm_decode_contract.hpp"
+#include "tests/firmware/lcm_records.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kDenormal = std::numeric_limits<double>::denorm_min();
+
+template <class Message>
+std::vector<std::byte> encoded(const Message& message) {
+  std::vector<std::byte> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  EXPECT_EQ(message.encode(bytes.data(), 0, static_cast<int>(bytes.size())), static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+pose_covariance_t message_of(const MotionRecord& motion) {
+  pose_covariance_t message;
+  to_message(motion, message);
+  return message;
+}
+
+bot_core::planar_lidar_t example_lidar(int beams) {
+  bot_core::planar_lidar_t message;
+  to_message(test::example_scan(beams), test::example_ranges_m(beams), message);
+  return message;
+}
+
+double arbitrary_real(double magnitude) {
+  const auto share = static_cast<double>(*rc::gen::arbitrary<std::int32_t>()) * 0x1p-31;
+  return share * magnitude;
+}
+
+Pose2 arbitrary_pose() { return {arbitrary_real(1000.0), arbitrary_real(1000.0), arbitrary_real(M_PI)}; }
+
+MotionRecord arbitrary_motion() {
+  MotionRecord motion;
+  motion.from_stamp_ns = *rc::gen::inRange<std::int64_t>(0, 2'000'000'000'000'000) * 1000;
+  motion.to_stamp_ns = motion.from_stamp_ns + *rc::gen::inRange<std::int64_t>(0, 1'000'000) * 1000;
+  motion.previous_T_current = arbitrary_pose();
+  motion.odom_T_scan = arbitrary_pose();
+  for (std::size_t i = 0; i < 9; ++i) {
+    motion.covariance[i] = i % 4 == 0 ? std::abs(arbitrary_real(1.0)) : arbitrary_real(0.1);
+  }
+  motion.information_1_m2 = {arbitrary_real(1e4), arbitrary_real(1.0)};
+  motion.fitness = std::abs(arbitrary_real(1.0));
+  motion.second_peak_ratio = std::abs(arbitrary_real(1.0));
+  motion.evaluations = *rc::gen::inRange(0, 100'000);
+  motion.flags = *rc::gen::inRange(0, 16);
+  return motion;
+}
+
+// Compared as bytes: -0 is not 0. The record has no padding.
+TEST(DecodeMotion, GivesEveryBitBack) {
+  EXPECT_TRUE(rc::check([] {
+    const MotionRecord motion = arbitrary_motion();
+    const Result<MotionRecord> decoded = decode_motion(encoded(message_of(motion)));
+    RC_ASSERT(decoded.ok());
+    RC_ASSERT(std::memcmp(&decoded.value(), &motion, sizeof(motion)) == 0);
+  }));
+}
+
+TEST(DecodeMotion, RefusesThePoseInTheMap) {
+  pose_covariance_t message;
+  to_message(test::example_pose(), message);
+  EXPECT_EQ(decode_motion(encoded(message)).error(), Errc::kUnknownType);
+}
+
+TEST(DecodeMotion, RefusesEveryNumberThatIsNone) {
+  const pose_covariance_t good = message_of(test::example_motion());
+  ASSERT_TRUE(decode_motion(encoded(good)).ok());
+  const auto refuses = [&good](auto change) {
+    for (const double bad : {kNan, kInfinity, -kInfinity, kDenormal, -kDenormal}) {
+      pose_covariance_t message = good;
+      change(message, bad);
+      EXPECT_EQ(decode_motion(encoded(message)).error(), Errc::kBadNumber) << bad;
+    }
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    refuses([i](pose_covariance_t& message, double bad) { message.pose[i] = bad; });
+    refuses([i](pose_covariance_t& message, double bad) { message.step[i] = bad; });
+  }
+  for (std::size_t i = 0; i < 9; ++i) {
+    refuses([i](pose_covariance_t& message, double bad) { message.covariance[i] = bad; });
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    refuses([i](pose_covariance_t& message, double bad) { message.information[i] = bad; });
+  }
+  refuses([](pose_covariance_t& message, double bad) { message.fitness = bad; });
+  refuses([](pose_covariance_t& message, double bad) { message.second_peak_ratio = bad; });
+}
+
+TEST(DecodeMotion, RefusesWhatNoRobotDoes) {
+  const auto error_of = [](auto change) {
+    pose_covariance_t message = message_of(test::example_motion());
+    change(message);
+    return decode_motion(encoded(message)).error();
+  };
+  EXPECT_EQ(error_of([](auto& m) { m.utime = -1; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.utime = INT64_MAX; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.reference_utime = m.utime + 1; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.covariance[4] = -1e-9; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.evaluations = -1; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.fitness = -0.1; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.pose[0] = 1e7; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.step[2] = 13.0; }), Errc::kBadNumber);
+}
+
+TEST(DecodeScan, GivesEveryRangeBack) {
+  const std::vector<float> ranges_m = test::example_ranges_m(1081);
+  std::vector<float> room(1081);
+  const Result<RawScan> scan = decode_scan(encoded(example_lidar(1081)), room);
+  ASSERT_TRUE(scan.ok());
+  EXPECT_EQ(scan.value().stamp_ns, test::example_scan(1).stamp_ns);
+  EXPECT_EQ(scan.value().start_angle_rad, test::example_scan(1).start_angle_rad);
+  EXPECT_EQ(scan.value().angle_step_rad, test::example_scan(1).angle_step_rad);
+  EXPECT_TRUE(std::equal(scan.value().ranges_m.begin(), scan.value().ranges_m.end(), ranges_m.begin(), ranges_m.end()));
+}
+
+TEST(DecodeScan, TakesWhatIsNoRangeForAnUnknownOne) {
+  auto message = example_lidar(6);
+  const float denormal = std::numeric_limits<float>::denorm_min();
+  message.ranges = {std::nanf(""), -1.0F,
+                    denormal,      -std::numeric_limits<float>::infinity(),
+                    1.5F,          std::numeric_limits<float>::infinity()};
+  std::vector<float> room(6);
+  ASSERT_TRUE(decode_scan(encoded(message), room).ok());
+  EXPECT_EQ(room, (std::vector<float>{0.0F, 0.0F, 0.0F, 0.0F, 1.5F, std::numeric_limits<float>::infinity()}));
+}
+
+TEST(DecodeScan, SkipsIntensities) {
+  auto message = example_lidar(5);
+  message.nintensities = 5;
+  message.intensities = {1.0F, 2.0F, 3.0F, 4.0F, 5.0F};
+  std::vector<float> room(5);
+  const Result<RawScan> scan = decode_scan(encoded(message), room);
+  ASSERT_TRUE(scan.ok());
+  EXPECT_EQ(scan.value().angle_step_rad, test::example_scan(1).angle_step_rad);
+  message.nintensities = 4;
+  message.intensities.resize(4);
+  EXPECT_EQ(decode_scan(encoded(message), room).error(), Errc::kMalformed);
+}
+
+TEST(DecodeScan, RefusesMoreBeamsThanThereIsRoomFor) {
+  std::vector<float> room(99);
+  EXPECT_EQ(decode_scan(encoded(example_lidar(100)), room).error(), Errc::kTooLong);
+  EXPECT_TRUE(decode_scan(encoded(example_lidar(99)), room).ok());
+}
+
+TEST(DecodeScan, RefusesAGeometryThatIsNone) {
+  std::vector<float> room(1081);
+  const auto error_of = [&room](float start_angle_rad, float angle_step_rad) {
+    auto message = example_lidar(1081);
+    message.rad0 = start_angle_rad;
+    message.radstep = angle_step_rad;
+    return decode_scan(encoded(message), room).error();
+  };
+  const float infinity = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(error_of(std::nanf(""), 0.004F), Errc::kBadNumber);
+  EXPECT_EQ(error_of(infinity, 0.004F), Errc::kBadNumber);
+  EXPECT_EQ(error_of(std::numeric_limits<float>::denorm_min(), 0.004F), Errc::kBadNumber);
+  EXPECT_EQ(error_of(20.0F, 0.004F), Errc::kBadNumber);
+  EXPECT_EQ(error_of(0.0F, 0.0F), Errc::kBadNumber);
+  EXPECT_EQ(error_of(0.0F, std::nanf("")), Errc::kBadNumber);
+  EXPECT_EQ(error_of(0.0F, 0.006F), Errc::kBadNumber);  // more than a full turn
+  EXPECT_EQ(error_of(0.0F, -0.004F), Errc::kOk);        // clockwise
+}
+
+TEST(Decoders, RefuseEachOthersMessages) {
+  std::vector<float> room(100);
+  EXPECT_EQ(decode_scan(encoded(message_of(test::example_motion())), room).error(), Errc::kUnknownType);
+  EXPECT_EQ(decode_motion(encoded(example_lidar(100))).error(), Errc::kUnknownType);
+}
+
+TEST(Decoders, RefuseAMessageThatIsCutOrTooLong) {
+  std::vector<float> room(20);
+  std::vector<std::byte> scan = encoded(example_lidar(20));
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    EXPECT_EQ(decode_scan(std::span(scan).first(i), room).error(), Errc::kMalformed) << i;
+  }
+  scan.push_back(std::byte{0});
+  EXPECT_EQ(decode_scan(scan, room).error(), Errc::kMalformed);
+  std::vector<std::byte> motion = encoded(message_of(test::example_motion()));
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    EXPECT_EQ(decode_motion(std::span(motion).first(i)).error(), Errc::kMalformed) << i;
+  }
+  motion.push_back(std::byte{0});
+  EXPECT_EQ(decode_motion(motion).error(), Errc::kMalformed);
+}
+
+// One to four bytes changed anywhere: what is accepted is sane, and every reason to refuse is seen.
+TEST(Decoders, AcceptOnlySaneRecordsFromMutatedMessages) {
+  const std::array<std::vector<std::byte>, 2> messages{encoded(example_lidar(40)),
+                                                       encoded(message_of(test::example_motion()))};
+  Rng rng(1);
+  std::set<Errc> seen;
+  for (int i = 0; i < 100'000; ++i) {
+    std::vector<std::byte> message = messages[rng.below(2)];
+    const std::uint32_t changes = 1 + rng.below(4);
+    for (std::uint32_t change = 0; change < changes; ++change) {
+      const auto at = rng.below(static_cast<std::uint32_t>(message.size()));
+      message[rng.below(2) == 0 ? at : at % 40] = static_cast<std::byte>(rng.below(256));
+    }
+    seen.insert(test::decode_any(message));
+  }
+  EXPECT_EQ(seen, (std::set<Errc>{Errc::kOk, Errc::kTooLong, Errc::kMalformed, Errc::kUnknownType, Errc::kBadNumber}));
+}
+
+}  // namespace
+}  // namespace odoless

@@ -1,0 +1,56 @@
+// Fingerprints: a type's members by name, type and order. Other robots' programs know ours by them.
+#include <gtest/gtest.h>
+
+#include <bot_core/joint_state_t.hpp>
+#include <bot_core/planar_lidar_t.hpp>
+#include <bot_core/pointcloud_t.hpp>
+#include <bot_core/pose_t.hpp>
+#include <bot_core/raw_t.hpp>
+#include <bot_core/rigid_transform_t.hpp>
+#include <bot_core/sensor_status_t.hpp>
+#include <cstdint>
+#include <occ_map/pixel_map_t.hpp>
+#include <odoless/health_t.hpp>
+#include <odoless/map_tile_t.hpp>
+#include <odoless/pose_covariance_t.hpp>
+
+#include "firmware/records/health.hpp"
+
+namespace odoless {
+namespace {
+
+template <class Message>
+std::uint64_t fingerprint() {
+  return static_cast<std::uint64_t>(Message::getHash());
+}
+
+TEST(LcmTypes, AreThoseThatOtherRobotsSpeak) {
+  EXPECT_EQ(fingerprint<bot_core::planar_lidar_t>(), 0xe3d17423180b5e8dU);
+  EXPECT_EQ(fingerprint<bot_core::pose_t>(), 0x2e16efb052b0105eU);
+  EXPECT_EQ(fingerprint<bot_core::rigid_transform_t>(), 0xea9ffbf2acc5c5aeU);
+  EXPECT_EQ(fingerprint<bot_core::pointcloud_t>(), 0x0d89dc76eb295069U);
+  EXPECT_EQ(fingerprint<bot_core::raw_t>(), 0x30571b45b804c18eU);
+  EXPECT_EQ(fingerprint<bot_core::joint_state_t>(), 0x3e377b4cebc593a4U);
+  EXPECT_EQ(fingerprint<bot_core::sensor_status_t>(), 0x22bd8eb19e834aadU);
+  EXPECT_EQ(fingerprint<occ_map::pixel_map_t>(), 0xe4b099a4cce13107U);
+}
+
+// A change here breaks every log and every program that reads our messages: make another type instead.
+TEST(LcmTypes, OfOurOwnStayAsTheyAre) {
+  EXPECT_EQ(fingerprint<pose_covariance_t>(), 0x6df695778d282477U);
+  EXPECT_EQ(fingerprint<map_tile_t>(), 0x666fae7f76fce32dU);
+  EXPECT_EQ(fingerprint<health_t>(), 0xb439acb99d4aeab9U);
+}
+
+TEST(LcmTypes, NameHealthAsTheRecordsDo) {
+  EXPECT_EQ(health_t::FAULT, static_cast<int>(HealthState::kFault));
+  EXPECT_EQ(health_t::LOST, static_cast<int>(HealthState::kLost));
+  EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_STUCK), kReasonStuck);
+  EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_DIVERGED), kReasonDiverged);
+  EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_NOT_REAL_TIME), kReasonNotRealTime);
+  EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_STAGE_SILENT), kReasonStageSilent);
+  EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_PAUSED), kReasonPaused);
+}
+
+}  // namespace
+}  // namespace odoless
