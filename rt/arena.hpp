@@ -19,6 +19,8 @@ class Arena {
   ~Arena();
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
+  Arena(Arena&&) = delete;
+  Arena& operator=(Arena&&) = delete;
 
   /// @return  `count` values, each T(); empty if there is no room for all of them.
   template <class T>

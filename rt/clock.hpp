@@ -12,15 +12,15 @@ namespace odoless {
 /// returns at once.
 class Clock {
  public:
+  Clock() = default;
   virtual ~Clock() = default;
+  Clock(const Clock&) = delete;
+  Clock& operator=(const Clock&) = delete;
+  Clock(Clock&&) = delete;
+  Clock& operator=(Clock&&) = delete;
 
   [[nodiscard]] virtual std::int64_t now_ns() const = 0;
   virtual void sleep_until(std::int64_t stamp_ns) = 0;
-
- protected:
-  Clock() = default;
-  Clock(const Clock&) = default;
-  Clock& operator=(const Clock&) = default;
 };
 
 /// The machine's monotonic clock, counted from the Unix epoch: shifted once, at construction, by what the machine took

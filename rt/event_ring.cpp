@@ -7,12 +7,7 @@ namespace odoless {
 std::string format(const Event& event) {
   fmt::dynamic_format_arg_store<fmt::format_context> arguments;
   for (std::size_t i = 0; i < event.argument_count; ++i) {
-    const EventArgument& argument = event.arguments[i];
-    if (argument.is_real) {
-      arguments.push_back(argument.real);
-    } else {
-      arguments.push_back(argument.whole);
-    }
+    std::visit([&](auto number) { arguments.push_back(number); }, event.arguments[i]);
   }
   return fmt::vformat(event.format, arguments);
 }

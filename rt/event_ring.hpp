@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string>
 #include <type_traits>
+#include <variant>
 
 #include "rt/rejecting_queue.hpp"
 
@@ -25,13 +26,7 @@ enum class EventPriority : std::uint8_t {
 };
 
 /// A number as an event carries it.
-struct EventArgument {
-  bool is_real = false;
-  union {
-    std::int64_t whole = 0;
-    double real;
-  };
-};
+using EventArgument = std::variant<std::int64_t, double>;
 
 /// A line for the log, not yet formatted.
 struct Event {
@@ -70,7 +65,7 @@ class EventRing {
                 .argument_count = static_cast<std::uint8_t>(sizeof...(Numbers)),
                 .format = fmt::string_view(format).data()};
     [[maybe_unused]] std::size_t next = 0;
-    ((event.arguments[next++] = argument(static_cast<EventNumber<Numbers>>(numbers))), ...);
+    ((event.arguments[next++] = static_cast<EventNumber<Numbers>>(numbers)), ...);
     return queue_.try_push(event);
   }
 
@@ -86,9 +81,6 @@ class EventRing {
   [[nodiscard]] std::size_t high_water() const { return queue_.high_water(); }
 
  private:
-  static EventArgument argument(std::int64_t whole) { return {.is_real = false, .whole = whole}; }
-  static EventArgument argument(double real) { return {.is_real = true, .real = real}; }
-
   RejectingQueue<Event> queue_;
 };
 

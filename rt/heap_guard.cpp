@@ -12,8 +12,10 @@
 namespace odoless {
 namespace {
 
-thread_local long heap_calls = 0;
+// NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables): what a thread may do is a property of the thread
+thread_local std::int64_t heap_calls = 0;
 thread_local bool heap_is_forbidden = false;
+// NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 
 void say(const char* text, std::size_t length_bytes) {
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, length_bytes);
@@ -37,7 +39,7 @@ void say(const char* text) { say(text, std::strlen(text)); }
 }  // namespace
 
 bool heap_is_watched() {
-  const long calls_before = heap_calls;
+  const std::int64_t calls_before = heap_calls;
   // Through volatile pointers, as the compiler takes malloc for a function that changes nothing of ours.
   void* (*volatile make)(std::size_t) = &std::malloc;
   void (*volatile unmake)(void*) = &std::free;
@@ -45,7 +47,7 @@ bool heap_is_watched() {
   return heap_calls != calls_before;
 }
 
-long heap_calls_on_this_thread() { return heap_calls; }
+std::int64_t heap_calls_on_this_thread() { return heap_calls; }
 
 void forbid_heap_on_this_thread() { heap_is_forbidden = true; }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 // 1 where the interposed allocator (target odoless_heap_guard) can be linked: not with a sanitizer that has its own.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -20,7 +21,7 @@ namespace odoless {
 [[nodiscard]] bool heap_is_watched();
 
 /// Heap calls (malloc and its kin, free, operators new and delete) of the calling thread since it started.
-[[nodiscard]] long heap_calls_on_this_thread();
+[[nodiscard]] std::int64_t heap_calls_on_this_thread();
 
 /// From here on, a heap call of the calling thread says on standard error what it was and aborts the program.
 ///
@@ -34,6 +35,8 @@ class HeapGuard {
   ~HeapGuard();
   HeapGuard(const HeapGuard&) = delete;
   HeapGuard& operator=(const HeapGuard&) = delete;
+  HeapGuard(HeapGuard&&) = delete;
+  HeapGuard& operator=(HeapGuard&&) = delete;
 
  private:
   bool was_forbidden_;

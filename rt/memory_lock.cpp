@@ -12,9 +12,11 @@
 namespace odoless {
 
 int lock_memory() {
+  // NOLINTBEGIN(concurrency-mt-unsafe): called before there are threads
   mallopt(M_ARENA_MAX, 1);
   mallopt(M_TRIM_THRESHOLD, INT_MAX);
   mallopt(M_MMAP_MAX, 0);
+  // NOLINTEND(concurrency-mt-unsafe)
   return mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
 }
 
@@ -34,6 +36,7 @@ std::size_t locked_bytes() {
 ThreadFaults thread_page_faults() {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-union-access): the C library's way to widen a field
   return {.minor = usage.ru_minflt, .major = usage.ru_majflt};
 }
 

@@ -14,6 +14,7 @@
 namespace odoless {
 namespace {
 
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): a property of the thread
 thread_local const char* name_of_this_thread = "";
 
 std::size_t page_bytes() { return static_cast<std::size_t>(sysconf(_SC_PAGESIZE)); }

@@ -10,10 +10,10 @@
 namespace odoless {
 
 struct ThreadParams {
-  std::string name;                      ///< as the system shows it, which takes 15 characters of it
-  int priority = 0;                      ///< of SCHED_FIFO, 1..99; 0: an ordinary thread
-  int cpu = -1;                          ///< the only processor to run on; -1: any
-  std::size_t stack_bytes = 512 * 1024;  ///< rounded up to pages
+  std::string name;                                   ///< as the system shows it, which takes 15 characters of it
+  int priority = 0;                                   ///< of SCHED_FIFO, 1..99; 0: an ordinary thread
+  int cpu = -1;                                       ///< the only processor to run on; -1: any
+  std::size_t stack_bytes = std::size_t{512} * 1024;  ///< rounded up to pages
 };
 
 /// The name of the calling thread as it was started here, or "" elsewhere. Real time: a read of a thread-local.
@@ -32,6 +32,8 @@ class RealTimeThread {
   ~RealTimeThread();  ///< joins
   RealTimeThread(const RealTimeThread&) = delete;
   RealTimeThread& operator=(const RealTimeThread&) = delete;
+  RealTimeThread(RealTimeThread&&) = delete;
+  RealTimeThread& operator=(RealTimeThread&&) = delete;
 
   /// Starts `body`, once. Returns when the thread has set itself up: 0, or the errno for which there is no thread.
   [[nodiscard]] int start(std::function<void()> body);

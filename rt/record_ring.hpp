@@ -43,6 +43,9 @@ class BasicRecordRing {
 
   BasicRecordRing(const BasicRecordRing&) = delete;
   BasicRecordRing& operator=(const BasicRecordRing&) = delete;
+  BasicRecordRing(BasicRecordRing&&) = delete;
+  BasicRecordRing& operator=(BasicRecordRing&&) = delete;
+  ~BasicRecordRing() = default;
 
   /// Room for one record, which the consumer sees after `commit`. A second `reserve` before that takes its place.
   ///

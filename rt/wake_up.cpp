@@ -22,7 +22,7 @@ WakeUp::WakeUp() : descriptor_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) { ODOLESS
 
 WakeUp::~WakeUp() { close(descriptor_); }
 
-void WakeUp::notify() {
+void WakeUp::notify() const {
   const std::uint64_t one = 1;
   // Fails only if the count is at its end: then the sleeper has been told already.
   [[maybe_unused]] const ssize_t written = write(descriptor_, &one, sizeof(one));

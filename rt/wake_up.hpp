@@ -18,8 +18,10 @@ class WakeUp {
   ~WakeUp();
   WakeUp(const WakeUp&) = delete;
   WakeUp& operator=(const WakeUp&) = delete;
+  WakeUp(WakeUp&&) = delete;
+  WakeUp& operator=(WakeUp&&) = delete;
 
-  void notify();
+  void notify() const;
 
   /// Sleeps until `notify`, at most `timeout_ns`; for ever if that is negative.
   ///

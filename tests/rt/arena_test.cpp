@@ -91,7 +91,7 @@ TEST(Arena, NeitherFaultsNorAllocatesWhenUsed) {
   const std::span<int> all = arena.allocate<int>(250'000);
   const std::int64_t faults = thread_page_faults().minor - faults_before;
   EXPECT_EQ(heap.calls(), 0);
-  EXPECT_LT(faults, 10);  // 245 pages were there; a few faults may be this function's own
+  EXPECT_LT(faults, AllocationGuard::kWorks ? 10 : 100);  // of 245 pages; a sanitizer's shadow faults
   EXPECT_EQ(all.size(), 250'000U);
 }
 

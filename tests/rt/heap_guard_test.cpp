@@ -56,7 +56,7 @@ TEST_F(HeapGuardTest, EndsWithItsScope) {
     const HeapGuard outer;
     { const HeapGuard inner; }
   }
-  const long calls_before = heap_calls_on_this_thread();
+  const std::int64_t calls_before = heap_calls_on_this_thread();
   const auto allowed = std::make_unique<int>(5);
   EXPECT_EQ(heap_calls_on_this_thread() - calls_before, 1);
 }

@@ -58,7 +58,7 @@ RC_GTEST_PROP(PeriodicLoop, EveryTimeHasAStepOrIsCounted, ()) {
   for (std::size_t i = 0; i < due_ns.size(); ++i) {
     RC_ASSERT(due_ns[i] % 100 == 0);
     RC_ASSERT(due_ns[i] >= end_of_last_ns);
-    RC_ASSERT(i == 0 || due_ns[i] - std::max(end_of_last_ns, due_ns[i - 1] + 1) < 100);  // the first that can be
+    RC_ASSERT((i == 0 || due_ns[i] - std::max(end_of_last_ns, due_ns[i - 1] + 1) < 100));  // the first that can be
     end_of_last_ns = due_ns[i] + durations_ns[i];
     grid_times = static_cast<std::uint64_t>(due_ns[i] / 100) + 1;
   }

@@ -28,8 +28,8 @@ class RingAndModel {
     const std::span<std::byte> room = ring_.reserve(type, size_bytes);
     const bool has_room = room.data() != nullptr;
     RC_ASSERT(ring_.rejected() - rejected_before == (has_room ? 0U : 1U));
-    RC_ASSERT(!has_room || used_bytes() + length_bytes(size_bytes) <= ring_.memory_bytes());
-    RC_ASSERT(has_room == (size_bytes <= ring_.max_record_bytes()) || !model_.empty());
+    RC_ASSERT((!has_room || used_bytes() + length_bytes(size_bytes) <= ring_.memory_bytes()));
+    RC_ASSERT((has_room == (size_bytes <= ring_.max_record_bytes()) || !model_.empty()));
     if (!has_room) {
       return;
     }

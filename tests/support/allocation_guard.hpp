@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "rt/heap_guard.hpp"
 
 namespace odoless {
@@ -14,10 +16,10 @@ class AllocationGuard {
   static constexpr bool kWorks = ODOLESS_HEAP_CAN_BE_WATCHED == 1;
 
   /// Heap calls since construction.
-  [[nodiscard]] long calls() const { return heap_calls_on_this_thread() - calls_before_; }
+  [[nodiscard]] std::int64_t calls() const { return heap_calls_on_this_thread() - calls_before_; }
 
  private:
-  long calls_before_ = heap_calls_on_this_thread();
+  std::int64_t calls_before_ = heap_calls_on_this_thread();
 };
 
 }  // namespace odoless
