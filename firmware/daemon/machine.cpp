@@ -79,12 +79,7 @@ std::string Machine::open() {
 
 int Machine::start(bool enforce) {
   const auto run = [enforce](RealTimeThread& thread, std::span<const int> calls, std::function<void()> body) {
-    return thread.start([enforce, calls, body = std::move(body)] {
-      if (enforce) {
-        ODOLESS_CHECK(enforce_real_time(calls) == 0);  // asked for, and no kernel of ours is without it
-      }
-      body();
-    });
+    return thread.start([enforce, calls, body = std::move(body)] { enforce ? run_enforced(calls, body) : body(); });
   };
   const std::atomic<bool>& before_filter = matcher_ ? pipeline_.matcher.done : pipeline_.sensor.done;
   int error = 0;

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "core/base/check.hpp"
 #include "rt/heap_guard.hpp"
 #include "rt/system_call_guard.hpp"
 
@@ -26,10 +27,10 @@ constexpr std::array<int, 13> kSensorCalls{
 std::span<const int> sensor_system_calls() { return kSensorCalls; }
 std::span<const int> worker_system_calls() { return kWorkerCalls; }
 
-int enforce_real_time(std::span<const int> allowed_system_calls) {
-  const int error = restrict_system_calls(allowed_system_calls);
-  forbid_heap_on_this_thread();
-  return error;
+void run_enforced(std::span<const int> allowed_system_calls, const std::function<void()>& loop) {
+  ODOLESS_CHECK(restrict_system_calls(allowed_system_calls) == 0);  // asked for, and no kernel of ours is without it
+  const HeapGuard no_heap;  // until the loop's end; the thread's own end uses it
+  loop();
 }
 
 }  // namespace odoless

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 
 namespace odoless {
@@ -9,7 +10,7 @@ namespace odoless {
 [[nodiscard]] std::span<const int> sensor_system_calls();
 [[nodiscard]] std::span<const int> worker_system_calls();
 
-/// To be called by a real-time thread before its loop. @return 0, or the errno for which nothing is enforced.
-[[nodiscard]] int enforce_real_time(std::span<const int> allowed_system_calls);
+/// Runs a real-time thread's loop, held to what it may do.
+void run_enforced(std::span<const int> allowed_system_calls, const std::function<void()>& loop);
 
 }  // namespace odoless
