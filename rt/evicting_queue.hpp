@@ -90,12 +90,12 @@ class EvictingQueue {
     }
   }
 
-  std::vector<std::atomic<T>> slots_;
   // Each on a cache line of its own: head and tail are written by different processors.
   alignas(64) std::atomic<std::uint64_t> head_ = 0;  ///< index of the oldest token
   alignas(64) std::atomic<std::uint64_t> tail_ = 0;  ///< index of the next token
   std::atomic<std::uint64_t> evicted_ = 0;
   std::atomic<std::size_t> high_water_ = 0;
+  std::vector<std::atomic<T>> slots_;
 };
 
 }  // namespace odoless
