@@ -53,7 +53,7 @@ void set_raw(termios2& settings) {
   settings.c_lflag = 0;
   settings.c_cflag &= ~static_cast<tcflag_t>(CSIZE | PARENB | CSTOPB | CRTSCTS | HUPCL);
   settings.c_cflag |= CS8 | CREAD | CLOCAL;
-  settings.c_cc[VMIN] = 0;
+  settings.c_cc[VMIN] = 1;
   settings.c_cc[VTIME] = 0;
 }
 
