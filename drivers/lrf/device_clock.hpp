@@ -10,9 +10,9 @@ namespace odoless {
 /// Puts a laser's own millisecond counter on the host's clock: host = offset + (1 + drift) * device.
 ///
 /// Bytes only ever arrive late, never early, so the line is the lower envelope of the arrivals of the last 16 s: the
-/// edge of their lower convex hull below their mean [moon1999skew], at most 0.12 % of drift. Between the counter's whole
-/// milliseconds, the mirror's even turn tells. With 1000 ppm of drift and 5 ms of jitter, a stamp is within 1 ms of the
-/// truth after 10 s.
+/// edge of their lower convex hull below their mean [moon1999skew], at most 0.12 % of drift. Between the counter's
+/// whole milliseconds, the mirror's even turn tells. With 1000 ppm of drift and 5 ms of jitter, a stamp is within 1 ms
+/// of the truth after 10 s.
 ///
 /// Tracks the wrap of the counter's 24 bits. A counter that starts anew (reset, reboot) is seen after three stamps,
 /// one that stands still likewise; then the stamp is the arrival less the delay, so that the host's stamps never jump.
