@@ -78,8 +78,8 @@ class AncestryGrid {
   /// stops in it. Cut to the tiles that the particle knows. May allocate, in `map` alone.
   void write_occupancy(int particle, double rho_min_m, OccupancyMap& map);
 
-  /// A square of the particle's map, row by row from the lowest: percent as in `write_occupancy`, 255 unknown. False, and
-  /// nothing written, where the particle knows nothing. Real time: no allocation; linear in the cells.
+  /// A square of the particle's map, row by row from the lowest: percent as in `write_occupancy`, 255 unknown. False,
+  /// and nothing written, where the particle knows nothing. Real time: no allocation; linear in the cells.
   ///
   /// @param corner      The square's lower-left cell; the square may reach out of the grid.
   /// @param percent     side_cells * side_cells.

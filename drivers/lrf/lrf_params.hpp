@@ -35,7 +35,8 @@ struct LrfParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("driver", self.driver, kLrfDriverNames, "Protocol of the laser range finder; lcm: another program reads it, and scans come over LCM.");
+    visit.choice("driver", self.driver, kLrfDriverNames,
+                 "Protocol of the laser range finder; lcm: another program reads it, and scans come over LCM.");
     visit.text("device", self.device, "Path of the laser's serial line.");
     visit.text("channel", self.channel, "Channel of the scans (planar_lidar_t) for the driver lcm.");
     visit.value("baud", self.baud, Range{0, 4'000'000}, "Rate of the serial line; 0 for USB, which has none.");
