@@ -74,7 +74,12 @@ std::string Machine::open() {
   if (auto* const lcm = dynamic_cast<LcmSource*>(source_.get()); lcm != nullptr && lcm->open() != Errc::kOk) {
     return lcm->reason();
   }
-  return publisher_.link().open() == Errc::kOk ? "" : publisher_.link().reason();
+  const Errc error = publisher_.link().open();
+  if (error != Errc::kOk && error != Errc::kBadAddress) {
+    log_line(EventPriority::kWarning, publisher_.link().reason() + "; it is tried again");
+    return "";
+  }
+  return error == Errc::kOk ? "" : publisher_.link().reason();
 }
 
 int Machine::start(bool enforce) {

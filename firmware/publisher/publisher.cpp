@@ -13,6 +13,7 @@ Publisher::Publisher(const PublisherParams& params, const GridGeometry& geometry
       monitor_(params.health),
       map_(geometry),
       poses_(folder),
+      wants_link_(!params.lcm.url.empty()),
       overview_ns_(static_cast<std::int64_t>(params.lcm.overview_s * 1e9)) {
   last_ranges_m_.reserve(static_cast<std::size_t>(pipeline.pool.beams_max()));
   if (!params.recorder.path.empty()) {
@@ -30,6 +31,14 @@ void Publisher::round(std::int64_t now_ns) {
   log_events(pipeline_.filter.log);
   watch(now_ns);
   publish_overview(now_ns);
+  keep_link_open(now_ns);
+}
+
+void Publisher::keep_link_open(std::int64_t now_ns) {
+  if (!link_.is_open() && wants_link_ && now_ns >= next_open_ns_) {
+    next_open_ns_ = now_ns + kReopen_ns;
+    static_cast<void>(link_.open());
+  }
 }
 
 void Publisher::drain(Outbox& outbox) {

@@ -59,8 +59,10 @@ class Publisher {
   void take_tile(std::span<const std::byte> bytes);
   void watch(std::int64_t now_ns);
   void publish_overview(std::int64_t now_ns);
+  void keep_link_open(std::int64_t now_ns);
 
   static constexpr std::int64_t kHealth_ns = 100'000'000;
+  static constexpr std::int64_t kReopen_ns = 2'000'000'000;
 
   mutable std::mutex mutex_;
   Pipeline& pipeline_;
@@ -71,6 +73,8 @@ class Publisher {
   HealthReport health_;
   MapStore map_;
   PoseSpool poses_;
+  bool wants_link_;
+  std::int64_t next_open_ns_ = 0;
   std::int64_t overview_ns_;
   std::int64_t next_overview_ns_ = 0;
   std::int64_t next_health_ns_ = 0;

@@ -8,6 +8,7 @@
 
 #include "config/config_error.hpp"
 #include "tools/command/emulate.hpp"
+#include "tools/command/ctl.hpp"
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
 #include "tools/command/info.hpp"
@@ -31,6 +32,8 @@ void add_commands(CLI::App& app) {
   add_eval(app);
   add_sim(app);
   add_emulate(app);
+  add_ctl(app);
+  add_memory(app);
   add_config(app);
 }
 

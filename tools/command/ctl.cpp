@@ -1,0 +1,82 @@
+#include "tools/command/ctl.hpp"
+
+#include <fmt/core.h>
+#include <sysexits.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+#include "firmware/daemon/control_server.hpp"
+#include "firmware/daemon/daemon_params.hpp"
+#include "firmware/daemon/memory_budget.hpp"
+#include "tools/command/error.hpp"
+
+namespace odoless {
+namespace {
+
+DaemonParams load(const std::string& config) {
+  DaemonParams params;
+  if (!config.empty()) {
+    load_parameters(config, params);
+  }
+  return params;
+}
+
+struct CtlArguments {
+  std::string config;
+  std::string socket;
+  std::vector<std::string> command;
+};
+
+void run_ctl(const CtlArguments& arguments) {
+  const std::string socket = arguments.socket.empty() ? load(arguments.config).control.socket : arguments.socket;
+  std::string command;
+  for (const std::string& word : arguments.command) {
+    command += (command.empty() ? "" : " ") + word;
+  }
+  std::string answer;
+  if (const int error = send_command(socket, command, answer); error != 0) {
+    throw UserError(EX_UNAVAILABLE,
+                    fmt::format("{}: no daemon answers: {}; expected an odolessd that runs, and its socket "
+                                "(control.socket)",
+                                socket, system_reason(error)));
+  }
+  if (answer.starts_with("error: ")) {
+    throw UserError(EX_DATAERR, answer.substr(7, answer.find('\n') - 7));
+  }
+  fmt::print("{}", answer);
+}
+
+void run_memory(const std::string& config) {
+  const std::vector<MemoryShare> shares = memory_budget(load(config));
+  constexpr double kMbPerByte = 1e-6;
+  for (const MemoryShare& share : shares) {
+    fmt::print("{:10.2f} MB  {}\n", static_cast<double>(share.bytes) * kMbPerByte, share.what);
+  }
+  fmt::print("{:10.2f} MB  in all\n", static_cast<double>(total_bytes(shares)) * kMbPerByte);
+}
+
+}  // namespace
+
+void add_ctl(CLI::App& app) {
+  const auto arguments = std::make_shared<CtlArguments>();
+  CLI::App* const command = app.add_subcommand("ctl", "Ask or command the daemon that runs on this machine");
+  command->add_option("--config", arguments->config, "The daemon's configuration, which names its socket");
+  command->add_option("--socket", arguments->socket, "The socket itself");
+  command
+      ->add_option("COMMAND", arguments->command,
+                   "status, save, reset, pose X_M Y_M YAW_DEG, pause, resume or stop; -- before negative numbers")
+      ->required();
+  command->callback([arguments] { run_ctl(*arguments); });
+}
+
+void add_memory(CLI::App& app) {
+  const auto config = std::make_shared<std::string>();
+  CLI::App* const command = app.add_subcommand("memory", "Memory that a daemon with a configuration locks, by purpose");
+  command->add_option("CONFIG", *config, "TOML file of the robot; without it what is built in");
+  command->callback([config] { run_memory(*config); });
+}
+
+}  // namespace odoless
