@@ -73,8 +73,10 @@ Pose2 LaserOdometry::predict(double period_s) const {
 }
 
 LaserOdometry::Deviations LaserOdometry::deviations(double period_s) const {
-  return {params_.acceleration_sd_mps2 * period_s * period_s,
-          params_.angular_acceleration_sd_radps2 * period_s * period_s};
+  // At a high rate the speed itself is uncertain: a match's error is divided by a short period. An expectation that
+  // shrinks with the square of the period would then hold the estimate back where the robot starts or turns.
+  const double span_s = period_s > 0.0 ? std::max(period_s, params_.expectation_period_min_s) : 0.0;
+  return {params_.acceleration_sd_mps2 * span_s * span_s, params_.angular_acceleration_sd_radps2 * span_s * span_s};
 }
 
 Eigen::Matrix3d LaserOdometry::Deviations::covariance() const {

@@ -30,6 +30,7 @@ struct LaserOdometryParams {
   double acceleration_sd_mps2 = 1.5;
   double angular_acceleration_sd_radps2 = 8.0;
   double period_min_s = 0.02;
+  double expectation_period_min_s = 0.1;
   double prediction_max_s = 0.5;
   double expectation_widening = 3.0;
 
@@ -50,6 +51,8 @@ struct LaserOdometryParams {
                 "The robot is taken to keep its speed for so long where scans are missing.");
     visit.value("expectation_widening", self.expectation_widening, Range{0.0, 100.0},
                 "The search expects the motion within so many of these deviations.");
+    visit.value("expectation_period_min_s", self.expectation_period_min_s, Range{0.0, 10.0},
+                "The expected accelerations are taken to act for at least so long, however fast scans follow.");
     visit.value("period_min_s", self.period_min_s, Range{0.001, 10.0},
                 "Stamps nearer than this are taken to be this far apart.");
   }

@@ -1,0 +1,185 @@
+"""The daemon from outside: odolessd, an emulated laser and `odoless ctl`, as on a robot.
+
+    daemon_test.py FOLDER_OF_PROGRAMS ROOT_OF_SOURCES
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROGRAMS, SOURCES = sys.argv[1:3]
+WORLD = os.path.join(SOURCES, "tools", "worlds", "rooms.world")
+EX_USAGE, EX_UNAVAILABLE, EX_CONFIG = 64, 69, 78
+
+
+def program(name, *arguments):
+    return [os.path.join(PROGRAMS, name), *map(str, arguments)]
+
+
+def run(*command, timeout=120):
+    return subprocess.run(program(*command), capture_output=True, text=True, timeout=timeout, check=False)
+
+
+class DaemonTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.config = self.write_config("robot.toml")
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def write_config(self, name, more=""):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(
+                f'[lrf]\ndevice = "{self.path("laser")}"\n[lcm]\nurl = ""\n'
+                f'[control]\nsocket = "{self.path("control")}"\n{more}'
+            )
+        return self.path(name)
+
+    def start(self, *command):
+        process = subprocess.Popen(program(*command), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.end, process)
+        return process
+
+    @staticmethod
+    def end(process):
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+    def start_laser(self, *more):
+        laser = self.start("odoless", "emulate", "lrf", "--from", WORLD, "--pty", self.path("laser"), *more)
+        self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
+        return laser
+
+    def start_daemon(self, *more):
+        return self.start("odolessd", "--config", self.config, "--out", self.path("out"), *more)
+
+    def wait_until(self, holds, seconds):
+        end = time.monotonic() + seconds
+        while not holds():
+            self.assertLess(time.monotonic(), end, "did not happen in time")
+            time.sleep(0.01)
+        return seconds - (end - time.monotonic())
+
+    def ctl(self, *command):
+        return run("odoless", "ctl", "--socket", self.path("control"), *command)
+
+    def state(self):
+        return self.ctl("status").stdout.split("\n")[0]
+
+    def summary(self):
+        with open(self.path("out/summary.json"), encoding="utf-8") as file:
+            return json.load(file)
+
+    def test_maps_what_an_emulated_laser_sees_and_keeps_every_promise_of_real_time(self):
+        self.start_laser("--truth", self.path("truth.tum"))
+        daemon = self.start_daemon("--enforce-realtime")
+        self.wait_until(lambda: self.state() == "OK", 10)
+        time.sleep(8)
+        asked = time.monotonic()
+        daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+        self.assertLess(time.monotonic() - asked, 1.5)
+        summary = self.summary()
+        self.assertGreater(summary["scans"], 250)
+        self.assertEqual(summary["scans_accepted"], summary["scans"] + summary["scans_dropped"])
+        self.assertEqual(summary["heap_calls"], 0)
+        self.assertLessEqual(summary["page_faults"], 0)
+        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/trajectory_online.tum"), "--json")
+        errors = json.loads(ate.stdout)
+        self.assertLess(errors["translation_m"]["rmse"], 0.10, ate.stdout)
+        for name in ("map.pgm", "map.yaml", "map.png", "trajectory.tum"):
+            self.assertTrue(os.path.getsize(self.path("out/" + name)) > 0, name)
+
+    def test_flags_a_laser_that_dies_and_has_it_back_within_a_second(self):
+        laser = self.start_laser()
+        self.start_daemon()
+        self.wait_until(lambda: self.state() == "OK", 10)
+        laser.kill()
+        laser.wait()
+        self.wait_until(lambda: self.state() != "OK", 1)
+        self.wait_until(lambda: self.state().startswith("FAULT"), 3)
+        os.remove(self.path("laser"))
+        self.start_laser()
+        self.assertLess(self.wait_until(lambda: not self.state().startswith("FAULT"), 10), 2.0)
+        self.wait_until(lambda: self.state() == "OK" or "refused" in self.state(), 10)
+
+    def test_obeys_commands(self):
+        self.start_laser()
+        daemon = self.start_daemon()
+        self.wait_until(lambda: self.state() == "OK", 10)
+        self.assertEqual(self.ctl("pause").stdout, "ok\n")
+        self.wait_until(lambda: "paused" in self.state(), 2)
+        self.assertEqual(self.ctl("resume").stdout, "ok\n")
+        self.wait_until(lambda: "paused" not in self.state(), 2)
+        self.assertEqual(self.ctl("reset").stdout, "ok\n")
+        self.assertEqual(self.ctl("pose", "1", "2", "90").stdout, "ok\n")
+        self.assertIn("three numbers", self.ctl("pose", "1").stderr)
+        self.assertIn("is no command", self.ctl("dance").stderr)
+        self.assertEqual(self.ctl("save").returncode, 0)
+        self.assertTrue(os.path.exists(self.path("out/trajectory.tum")))
+        self.assertEqual(self.ctl("stop").stdout, "ok\n")
+        self.assertEqual(daemon.wait(timeout=10), 0)
+        self.assertEqual(self.ctl("status").returncode, EX_UNAVAILABLE)
+
+    def test_refuses_a_laser_that_another_daemon_reads(self):
+        self.start_laser()
+        self.start_daemon()
+        self.wait_until(lambda: self.state() == "OK", 10)
+        second = run("odolessd", "--config", self.config)
+        self.assertEqual(second.returncode, EX_UNAVAILABLE, second.stderr)
+        self.assertIn(self.path("laser"), second.stderr)
+
+    def test_replays_a_log_to_the_very_bytes_of_the_tool(self):
+        log = self.path("rooms.log")
+        self.assertEqual(run("odoless", "sim", WORLD, "--out", log).returncode, 0)
+        self.assertEqual(run("odoless", "replay", log, "--out", self.path("plain")).returncode, 0)
+        daemon = run("odolessd", "--config", self.config, "--replay", log, "--out", self.path("out"))
+        self.assertEqual(daemon.returncode, 0, daemon.stderr)
+        for name in ("trajectory.tum", "trajectory_online.tum", "map.pgm"):
+            with open(self.path("plain/" + name), "rb") as plain, open(self.path("out/" + name), "rb") as out:
+                self.assertEqual(plain.read(), out.read(), name)
+
+    def test_records_what_it_publishes(self):
+        self.config = self.write_config("recording.toml", f'[recorder]\npath = "{self.path("run")}"\n')
+        log = self.path("rooms.log")
+        self.assertEqual(run("odoless", "sim", WORLD, "--out", log).returncode, 0)
+        daemon = run("odolessd", "--config", self.config, "--replay", log)
+        self.assertEqual(daemon.returncode, 0, daemon.stderr)
+        with open(self.path("run.00000.lcm"), "rb") as file:
+            recorded = file.read()
+        for channel in (b"ODOLESS_SCAN", b"ODOLESS_MOTION", b"ODOLESS_POSE", b"ODOLESS_MAP_TILE", b"ODOLESS_HEALTH"):
+            self.assertIn(channel, recorded)
+
+    def test_says_what_is_wrong_with_its_configuration_or_arguments(self):
+        wrong = self.write_config("wrong.toml", "[pipeline]\nscan_queue = 0\n")
+        outcome = run("odolessd", "--config", wrong, "--check")
+        self.assertEqual(outcome.returncode, EX_CONFIG)
+        self.assertIn("pipeline.scan_queue", outcome.stderr)
+        self.assertEqual(run("odolessd", "--config", self.config, "--check").returncode, 0)
+        self.assertEqual(run("odolessd", "--stages", "matcher").returncode, EX_USAGE)
+        self.assertEqual(run("odolessd", "--config", os.path.join(SOURCES, "config", "robot.toml"), "--check").returncode, 0)
+
+    def test_locks_about_as_much_memory_as_it_says_before(self):
+        said = float(run("odoless", "memory", self.config).stdout.strip().split("\n")[-1].split()[0])
+        self.start_laser()
+        daemon = self.start_daemon()
+        self.wait_until(lambda: self.state() == "OK", 10)
+        with open(f"/proc/{daemon.pid}/status", encoding="utf-8") as file:
+            locked = next(line for line in file if line.startswith("VmLck"))
+        locked_mb = float(locked.split()[1]) * 1024e-6
+        if locked_mb == 0.0:
+            self.skipTest("this machine does not let memory be locked")
+        self.assertAlmostEqual(said / locked_mb, 1.0, delta=0.05, msg=f"said {said} MB, locked {locked_mb:.2f} MB")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
