@@ -121,12 +121,14 @@ LrfKeeper::~LrfKeeper() {
 }
 
 Errc LrfKeeper::tick(std::int64_t now_ns) {
+  const bool in_use =
+      line_.in_use.load(std::memory_order_acquire);  // first: a line that was returned is then seen, too
   const FileDescriptor returned(line_.returned.exchange(-1, std::memory_order_acq_rel));  // closed here
   if (returned.valid()) {
     next_try_ns_ = now_ns + kPauseMin_ns;
     return Errc::kOk;
   }
-  if (line_.in_use.load(std::memory_order_acquire) || now_ns < next_try_ns_) {
+  if (in_use || now_ns < next_try_ns_) {
     return Errc::kOk;
   }
   Result<FileDescriptor> opened = open_lrf_line(params_);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace odoless::scip {
 namespace {
@@ -49,8 +50,8 @@ std::int64_t transfer_ns(const ScanFormat& format, int line_baud) {
 
 }  // namespace
 
-ScanStream::ScanStream(const LrfParams& params, int beams_max)
-    : params_(params),
+ScanStream::ScanStream(LrfParams params, int beams_max)
+    : params_(std::move(params)),
       ranges_mm_(static_cast<std::size_t>(beams_max)),
       last_ranges_mm_(static_cast<std::size_t>(beams_max)),
       ranges_m_(static_cast<std::size_t>(beams_max)) {}
