@@ -49,6 +49,7 @@ std::int64_t transfer_ns(const ScanFormat& format, int line_baud) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(modernize-pass-by-value): the session and the bring-up keep their own copies
 ScanStream::ScanStream(const LrfParams& params, int beams_max)
     : params_(params),
       ranges_mm_(static_cast<std::size_t>(beams_max)),
