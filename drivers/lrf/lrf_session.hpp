@@ -36,10 +36,15 @@ struct LrfEvent {
 /// Takes what a session has found. Real time: called on the session's thread, from within its calls.
 class LrfSink {
  public:
+  LrfSink() = default;
   virtual void on_scan(const LrfScan& scan) = 0;
   virtual void on_event(const LrfEvent& event) = 0;
 
  protected:
+  LrfSink(const LrfSink&) = default;
+  LrfSink& operator=(const LrfSink&) = default;
+  LrfSink(LrfSink&&) = default;
+  LrfSink& operator=(LrfSink&&) = default;
   ~LrfSink() = default;
 };
 
@@ -85,6 +90,8 @@ class LrfSession {
   LrfSession() = default;
   LrfSession(const LrfSession&) = delete;
   LrfSession& operator=(const LrfSession&) = delete;
+  LrfSession(LrfSession&&) = delete;
+  LrfSession& operator=(LrfSession&&) = delete;
   virtual ~LrfSession() = default;
 
   /// The line was opened: forgets what was half received and starts the bring-up.

@@ -20,7 +20,7 @@ std::string_view ReplyReader::current_line() const {
 }
 
 void ReplyReader::drop_all_but(std::string_view line) {
-  std::memmove(text_.data(), line.data(), line.size());
+  std::copy(line.begin(), line.end(), text_.begin());  // forwards: it may overlap what is behind it
   used_ = line.size();
   lines_ = 0;
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 namespace odoless::scip {
 namespace {
@@ -50,8 +49,9 @@ std::int64_t transfer_ns(const ScanFormat& format, int line_baud) {
 
 }  // namespace
 
-ScanStream::ScanStream(LrfParams params, int beams_max)
-    : params_(std::move(params)),
+// NOLINTNEXTLINE(modernize-pass-by-value): the session and the bring-up keep their own copies
+ScanStream::ScanStream(const LrfParams& params, int beams_max)
+    : params_(params),
       ranges_mm_(static_cast<std::size_t>(beams_max)),
       last_ranges_mm_(static_cast<std::size_t>(beams_max)),
       ranges_m_(static_cast<std::size_t>(beams_max)) {}
