@@ -19,7 +19,7 @@ namespace odoless::scip {
 /// Thread: one thread. Real time: no allocation after construction.
 class ScanStream {
  public:
-  ScanStream(LrfParams params, int beams_max);
+  ScanStream(const LrfParams& params, int beams_max);
 
   /// Fits the request to a device. Errc::kTooManyBeams: more than there is memory for.
   [[nodiscard]] Errc configure(const Parameters& device, int line_baud);
