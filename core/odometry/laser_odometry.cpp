@@ -75,7 +75,9 @@ Pose2 LaserOdometry::predict(double period_s) const {
 LaserOdometry::Deviations LaserOdometry::deviations(double period_s) const {
   // At a high rate the speed itself is uncertain: a match's error is divided by a short period. An expectation that
   // shrinks with the square of the period would then hold the estimate back where the robot starts or turns.
-  const double span_s = period_s > 0.0 ? std::max(period_s, params_.expectation_period_min_s) : 0.0;
+  // Stamps that are the same or run backwards say nothing of that.
+  const double span_s =
+      period_s > params_.period_min_s ? std::max(period_s, params_.expectation_period_min_s) : period_s;
   return {params_.acceleration_sd_mps2 * span_s * span_s, params_.angular_acceleration_sd_radps2 * span_s * span_s};
 }
 

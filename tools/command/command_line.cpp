@@ -7,8 +7,8 @@
 #include <system_error>
 
 #include "config/config_error.hpp"
-#include "tools/command/emulate.hpp"
 #include "tools/command/ctl.hpp"
+#include "tools/command/emulate.hpp"
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
 #include "tools/command/info.hpp"
