@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "core/base/float_precision.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/scan_lines.hpp"
 #include "tools/log/stamp.hpp"
@@ -14,13 +13,6 @@ namespace {
 
 constexpr const char* kKnownScans =
     "CARMEN FLASER or ROBOTLASER1, DP-SLAM Laser, or CSV t,angle_min,angle_inc,time_inc,scan_time,rmin,rmax,n,ranges";
-
-/// Rounds a scan's stamp and angles to what a planar_lidar_t can carry.
-void round_to_message(LogScan& scan) {
-  scan.stamp_ns -= scan.stamp_ns % 1000;
-  scan.start_angle_rad = to_float_precision(scan.start_angle_rad);
-  scan.angle_step_rad = to_float_precision(scan.angle_step_rad);
-}
 
 /// Grows a log line by line; the first scan decides the format.
 class LogBuilder {
@@ -46,7 +38,6 @@ class LogBuilder {
     for (std::size_t i = 0; !log_.has_stamps && i < log_.scans.size(); ++i) {
       log_.scans[i].stamp_ns = static_cast<std::int64_t>(i) * default_period_ns;
     }
-    std::for_each(log_.scans.begin(), log_.scans.end(), round_to_message);
     return std::move(log_);
   }
 
