@@ -39,7 +39,9 @@ class PoseSpool {
     Pose2 update_T_scan{};
   };
   struct Closer {
-    void operator()(std::FILE* file) const { static_cast<void>(std::fclose(file)); }
+    void operator()(std::FILE* file) const {
+      static_cast<void>(std::fclose(file));
+    }  // NOLINT(cppcoreguidelines-owning-memory): it is the owner
   };
   [[nodiscard]] std::vector<Entry> read_all();
 
