@@ -1,6 +1,7 @@
 #include "drivers/lrf/make_lrf_session.hpp"
 
 #include "drivers/lrf/scip/scip_session.hpp"
+#include "drivers/lrf/sick/sick_session.hpp"
 
 namespace odoless {
 
@@ -9,6 +10,9 @@ std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_
   switch (params.driver) {
     case LrfDriver::kScip:
       return std::make_unique<ScipSession>(params, beams_max);
+    case LrfDriver::kSick:
+      return std::make_unique<SickSession>(params, beams_max);
+    case LrfDriver::kRplidar:
     case LrfDriver::kLcm:
       break;
   }

@@ -28,7 +28,7 @@ void expect_scans_true(Bench& bench, std::int64_t stamp_error_max_ns) {
       }
     }
     ASSERT_NE(nearest, nullptr) << "no scan was sent with the stamp " << scan.stamp_ns;
-    bench.source().measure(nearest->index, true_m);
+    bench.source().measure(nearest->index, bench.model().beam_list(), true_m);
     ASSERT_EQ(scan.ranges_m.size(), true_m.size());
     for (std::size_t i = 0; i < true_m.size(); ++i) {
       if (true_m[i] * 1000.0 < bench.model().range_far_mm) {
@@ -138,7 +138,7 @@ TEST(ScipSession, HuntsForTheRateOfASilentDevice) {
 
 TEST(ScipSession, RefusesADeviceWithMoreBeamsThanThereIsRoomFor) {
   const ScipModel& model = *find_scip_model("utm-30lx");
-  WorldSource source(model, test::small_drive());
+  WorldSource source(model.turn_ns(), test::small_drive());
   ScipDevice device(model, source, {}, 0);
   const auto session = make_lrf_session({}, 1080);
   test::Heard heard;
