@@ -59,6 +59,17 @@ void EmulatedLrf::tick(std::int64_t now_ns) {
   }
 }
 
+void EmulatedLrf::skip_to(std::int64_t now_ns) {
+  next_piece_ = 0;
+  std::int64_t step = 1;
+  while (due_ns(next_piece_ + step) <= now_ns) {
+    step *= 2;
+  }
+  for (; step > 0; step /= 2) {
+    next_piece_ += due_ns(next_piece_ + step - 1) <= now_ns ? step : 0;
+  }
+}
+
 void EmulatedLrf::receive(std::string_view bytes, std::int64_t now_ns) {
   tick(now_ns);
   const bool understands = line_baud_ == 0 || baud() == 0 || line_baud_ == baud();

@@ -79,6 +79,8 @@ class EmulatedLrf {
 
   void start_source(std::int64_t now_ns);
   [[nodiscard]] std::int64_t origin_ns() const { return origin_ns_.value_or(0); }
+  /// The pieces have become others: goes on with the first that isn't due.
+  void skip_to(std::int64_t now_ns);
   [[nodiscard]] std::int64_t next_piece() const { return next_piece_; }
   [[nodiscard]] bool fault(FaultKind kind, std::int64_t now_ns) const;
   [[nodiscard]] bool is_mute(std::int64_t now_ns) const;

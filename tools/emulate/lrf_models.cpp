@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/check.hpp"
+#include "tools/emulate/rplidar_device.hpp"
 #include "tools/emulate/scip_device.hpp"
 #include "tools/emulate/sick_device.hpp"
 
@@ -16,6 +17,9 @@ std::vector<EmulatedLrfModel> emulated_lrf_models() {
   for (const SickModel& model : sick_models()) {
     models.push_back({std::string(model.name), std::string(model.product), sick::kTurnNs, model.range_sd_m});
   }
+  for (const RplidarModel& model : rplidar_models()) {
+    models.push_back({std::string(model.name), std::string(model.product), model.turn_ns, model.range_sd_m});
+  }
   return models;
 }
 
@@ -24,9 +28,12 @@ std::unique_ptr<EmulatedLrf> make_emulated_lrf(std::string_view name, ScanSource
   if (const ScipModel* const model = find_scip_model(name); model != nullptr) {
     return std::make_unique<ScipDevice>(*model, source, std::move(options), now_ns);
   }
-  const SickModel* const model = find_sick_model(name);
+  if (const SickModel* const model = find_sick_model(name); model != nullptr) {
+    return std::make_unique<SickDevice>(*model, source, std::move(options));
+  }
+  const RplidarModel* const model = find_rplidar_model(name);
   ODOLESS_CHECK(model != nullptr);
-  return std::make_unique<SickDevice>(*model, source, std::move(options));
+  return std::make_unique<RplidarDevice>(*model, source, std::move(options));
 }
 
 }  // namespace odoless

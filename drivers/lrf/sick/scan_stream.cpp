@@ -91,16 +91,12 @@ Errc ScanStream::check_head(std::span<const std::byte> data) const {
   return is_part || unit != (unit_ == SickUnit::kMm ? 1U : 0U) ? Errc::kFrameMalformed : Errc::kOk;
 }
 
-Result<std::int64_t> ScanStream::stamp_ns(std::int64_t arrival_ns) {
+// Scans that waited in a buffer come together; nothing tells how old they are, so their stamps are too late by that.
+std::int64_t ScanStream::stamp_ns(std::int64_t arrival_ns) {
   const std::int64_t first_beam_ns = arrival_ns - way_ns_;
   if (!is_first_) {
     const std::int64_t since_ns = first_beam_ns - clock_.at_ns(turns_ * kTurnNs);
-    const std::int64_t turns = (since_ns + kTurnNs / 2) / kTurnNs;
-    // A scan that waited in a buffer is indeed later than its stamp, but nothing tells by how much.
-    if (turns < 1) {
-      return Errc::kImplausibleStamp;
-    }
-    turns_ += turns;
+    turns_ += std::max<std::int64_t>((since_ns + kTurnNs / 2) / kTurnNs, 1);
   }
   is_first_ = false;
   const std::int64_t whole_us = clock_.host_ns(turns_ * kTurnNs, first_beam_ns) / 1000;
@@ -113,16 +109,12 @@ Result<LrfScan> ScanStream::scan(const Telegram& telegram, std::int64_t arrival_
   if (const Errc error = check_head(data); error != Errc::kOk) {
     return error;
   }
-  const Result<std::int64_t> stamp = stamp_ns(arrival_ns);
-  if (!stamp.ok()) {
-    return stamp.error();
-  }
   const std::span<float> ranges_m = buffer_.next(variant_.beams());
   for (std::size_t i = 0; i < ranges_m.size(); ++i) {
     const std::size_t at = kHeaderBytes + 2 * i;
     ranges_m[i] = range_m(number(data[at], data[at + 1]));
   }
-  return LrfScan{.stamp_ns = stamp.value(),
+  return LrfScan{.stamp_ns = stamp_ns(arrival_ns),
                  .arrival_ns = arrival_ns,
                  .start_angle_rad = geometry_.start_angle_rad,
                  .angle_step_rad = geometry_.angle_step_rad,

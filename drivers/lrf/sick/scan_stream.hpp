@@ -45,14 +45,14 @@ class ScanStream {
   [[nodiscard]] const LrfGeometry& geometry() const { return geometry_; }
 
   /// One scan, from a telegram with kScanReply that came at `arrival_ns`. Errc::kWrongCount (another number of beams),
-  /// kFrameMalformed (another unit, or a part of a scan), kImplausibleStamp (it came too soon after the one before).
+  /// kFrameMalformed (another unit, or a part of a scan).
   [[nodiscard]] Result<LrfScan> scan(const Telegram& telegram, std::int64_t arrival_ns);
 
   [[nodiscard]] std::uint64_t identical_run() const { return buffer_.identical_run(); }
 
  private:
   [[nodiscard]] Errc check_head(std::span<const std::byte> data) const;
-  [[nodiscard]] Result<std::int64_t> stamp_ns(std::int64_t arrival_ns);
+  [[nodiscard]] std::int64_t stamp_ns(std::int64_t arrival_ns);
   [[nodiscard]] float range_m(unsigned value) const;
 
   Variant variant_;
