@@ -3,11 +3,6 @@
 #include <algorithm>
 
 namespace odoless {
-namespace {
-
-constexpr std::int64_t kWindowNs = 1'000'000'000;
-
-}  // namespace
 
 std::int64_t ArrivalClock::host_ns(std::int64_t device_ns, std::int64_t arrival_ns) {
   const std::int64_t offset_ns = arrival_ns - device_ns;
@@ -19,7 +14,7 @@ std::int64_t ArrivalClock::host_ns(std::int64_t device_ns, std::int64_t arrival_
   }
   window_earliest_ns_ = std::min(window_earliest_ns_, offset_ns);
   offset_ns_ = std::min(offset_ns_, offset_ns);
-  if (device_ns - window_start_ns_ >= kWindowNs) {
+  if (device_ns - window_start_ns_ >= while_ns_) {
     offset_ns_ = window_earliest_ns_;
     window_start_ns_ = device_ns;
     window_earliest_ns_ = offset_ns;

@@ -81,7 +81,7 @@ std::int64_t RplidarDevice::sample_ns() const {
 }
 
 std::int64_t RplidarDevice::due_ns(std::int64_t piece) const {
-  const std::int64_t bytes = mode_ == Mode::kExpress ? 84 : 40;
+  const std::int64_t bytes = mode_ == Mode::kExpress ? 84 : 5;  // the nodes before have been sent meanwhile
   return origin_ns() + ((piece + 1) * samples_per_piece() - 1) * sample_ns() + bytes * 10 * 1'000'000'000 / model_.baud;
 }
 
@@ -186,6 +186,10 @@ bool RplidarDevice::take_request(std::int64_t now_ns) {
     return false;
   }
   const auto command = static_cast<unsigned char>(received_[1]);
+  if (command == 0xA5) {
+    received_.erase(0, 1);
+    return true;
+  }
   if ((command & 0x80U) == 0) {
     received_.erase(0, 2);
     execute(command, {}, now_ns);

@@ -92,7 +92,7 @@ void BringUp::fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink&
 }
 
 void BringUp::next_rate() {
-  if (params_.baud == 0) {
+  if (params_.baud == 0 && !rate_is_known_) {
     rates_tried_ = (rates_tried_ + 1) % static_cast<int>(kRatesBaud.size());
     line_baud_ = kRatesBaud[static_cast<std::size_t>(rates_tried_)];
   }
@@ -193,6 +193,7 @@ void BringUp::on_answer(const Descriptor& descriptor, std::span<const std::byte>
         return fail(Errc::kFrameMalformed, -1, now_ns, sink);
       }
       step_ = Step::kDone;
+      rate_is_known_ = true;
       silence_told_ = false;
       return;
     }

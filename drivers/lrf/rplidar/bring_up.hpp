@@ -60,8 +60,9 @@ class BringUp {
   int line_baud_;
   int rates_tried_ = 0;
   std::int64_t sample_ns_ = 0;
-  bool silence_told_ = false;  ///< once per outage
-  bool reset_is_due_ = false;  ///< after the pause
+  bool rate_is_known_ = false;  ///< it cannot be changed, so it stays
+  bool silence_told_ = false;   ///< once per outage
+  bool reset_is_due_ = false;   ///< after the pause
   std::uint64_t device_errors_ = 0;
   std::array<std::byte, kAnswerMaxBytes> answer_{};
   std::size_t answer_size_ = 0;

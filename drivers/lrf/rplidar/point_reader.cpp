@@ -12,6 +12,8 @@ namespace {
 constexpr double kStepMinDeg = -3.0;
 constexpr double kStepMaxDeg = 12.0;
 constexpr double kStartMarkDeg = 30.0;  ///< the mark of a turn's start is this near to the front
+constexpr int kMisfitsMax = 3;
+constexpr std::int64_t kGapMax = 4;     ///< capsules; after more, the angle no longer tells how far the mirror is
 constexpr double kSweepMaxDeg = 120.0;  ///< of one capsule
 
 double between_deg(double from_deg, double to_deg) {
@@ -38,13 +40,20 @@ void PointReader::clear() {
   skipping_ = false;
   last_angle_deg_ = -1.0;
   has_before_ = false;
+  sweep_deg_ = 0.0;
+  is_before_suspect_ = false;
+  misfits_ = 0;
   point_count_ = 0;
 }
 
-std::int64_t PointReader::last_sample() const {
-  return scan_ == RplidarScan::kStandard ? used_bytes_ / static_cast<std::int64_t>(kNodeBytes) - 1
-                                         : used_bytes_ / static_cast<std::int64_t>(kCapsuleBytes) * kCapsulePoints - 1;
+std::int64_t PointReader::sample_after(std::size_t bytes) const {
+  const std::int64_t used_bytes = used_bytes_ + static_cast<std::int64_t>(bytes);
+  const std::int64_t unit_bytes = scan_ == RplidarScan::kStandard ? kNodeBytes : kCapsuleBytes;
+  const std::int64_t unit_samples = scan_ == RplidarScan::kStandard ? 1 : kCapsulePoints;
+  return (used_bytes + unit_bytes / 2) / unit_bytes * unit_samples - 1;
 }
+
+std::int64_t PointReader::last_sample() const { return sample_after(0); }
 
 void PointReader::use(std::size_t bytes) {
   begin_ += bytes;
@@ -86,32 +95,63 @@ PointReader::Outcome PointReader::take_node() {
 
 PointReader::Outcome PointReader::take_capsule() {
   const auto have = rest();
-  if (is_capsule(have)) {
-    use(kCapsuleBytes);
-    skipping_ = false;
-    return on_capsule(have.first(kCapsuleBytes));
+  const auto capsule = have.first(kCapsuleBytes);
+  if (!is_capsule(capsule)) {
+    const bool is_marked =
+        (std::to_integer<unsigned>(have[0]) >> 4U) == 0xAU && (std::to_integer<unsigned>(have[1]) >> 4U) == 0x5U;
+    // Nothing starts where the one before ended: a byte too much in that one, which a sum by XOR need not see.
+    is_before_suspect_ = is_before_suspect_ || (!is_marked && !skipping_);
+    return skip_one(is_marked ? Outcome::kWrongSum : Outcome::kSkipped);
   }
-  const bool is_marked =
-      (std::to_integer<unsigned>(have[0]) >> 4U) == 0xAU && (std::to_integer<unsigned>(have[1]) >> 4U) == 0x5U;
-  return skip_one(is_marked ? Outcome::kWrongSum : Outcome::kSkipped);
+  const double turned_deg = has_before_ ? sweep_deg(capsule) : 0.0;
+  if (has_before_ && !follows_before(capsule, turned_deg)) {
+    if (++misfits_ < kMisfitsMax && capsules_since_before() <= kGapMax) {
+      return skip_one(Outcome::kSkipped);
+    }
+    has_before_ = false;  // the mirror has another pace, or the stream is a new one
+    sweep_deg_ = 0.0;
+    misfits_ = 0;
+    return Outcome::kBroken;
+  }
+  misfits_ = 0;
+  return on_capsule(capsule, turned_deg);
 }
 
-PointReader::Outcome PointReader::on_capsule(std::span<const std::byte> capsule) {
-  const double turned_deg = has_before_ ? between_deg(capsule_angle_deg(before_), capsule_angle_deg(capsule)) : 0.0;
-  double sweep_deg = turned_deg < 0.0 ? turned_deg + 360.0 : turned_deg;
-  const std::int64_t sample = last_sample() - kCapsulePoints + 1;
-  const auto capsules = std::max<std::int64_t>((sample - before_sample_ + kCapsulePoints / 2) / kCapsulePoints, 1);
-  sweep_deg /= static_cast<double>(capsules);  // some may be lost between the two
-  const bool is_news = has_before_ && !is_first_capsule(capsule) && sweep_deg > 0.0 && sweep_deg < kSweepMaxDeg;
-  if (is_news) {
+/// One, and how many were lost, up to the capsule that has been received but isn't used yet.
+std::int64_t PointReader::capsules_since_before() const {
+  const std::int64_t samples = sample_after(kCapsuleBytes) - kCapsulePoints + 1 - before_sample_;
+  return std::max<std::int64_t>((samples + kCapsulePoints / 2) / kCapsulePoints, 1);
+}
+
+/// How far the mirror has turned since the capsule before, per capsule: some may have been lost.
+double PointReader::sweep_deg(std::span<const std::byte> capsule) const {
+  const std::int64_t capsules = capsules_since_before();
+  const double turned_deg = between_deg(capsule_angle_deg(before_), capsule_angle_deg(capsule));
+  const double expected_deg = sweep_deg_ * static_cast<double>(capsules);
+  const double whole_deg = sweep_deg_ > 0.0 ? turned_deg + 360.0 * std::round((expected_deg - turned_deg) / 360.0)
+                                            : (turned_deg < 0.0 ? turned_deg + 360.0 : turned_deg);
+  return whole_deg / static_cast<double>(capsules);
+}
+
+bool PointReader::follows_before(std::span<const std::byte> capsule, double sweep_deg) const {
+  const bool is_usual = sweep_deg_ <= 0.0 || (sweep_deg > 0.75 * sweep_deg_ && sweep_deg < 1.3 * sweep_deg_);
+  return !is_first_capsule(capsule) && capsules_since_before() <= kGapMax && sweep_deg > 0.0 &&
+         sweep_deg < kSweepMaxDeg && is_usual;
+}
+
+PointReader::Outcome PointReader::on_capsule(std::span<const std::byte> capsule, double sweep_deg) {
+  const bool gives_points = std::exchange(has_before_, true) && !std::exchange(is_before_suspect_, false);
+  if (gives_points) {
     points_ = points_of(before_, sweep_deg);
     point_count_ = points_.size();
     first_sample_ = before_sample_;
+    sweep_deg_ = sweep_deg;
   }
   std::copy(capsule.begin(), capsule.end(), before_.begin());
-  before_sample_ = sample;
-  has_before_ = true;
-  return is_news ? Outcome::kPoints : Outcome::kMore;
+  use(kCapsuleBytes);
+  skipping_ = false;
+  before_sample_ = last_sample() - kCapsulePoints + 1;
+  return gives_points ? Outcome::kPoints : Outcome::kMore;
 }
 
 PointReader::Outcome PointReader::inspect() {

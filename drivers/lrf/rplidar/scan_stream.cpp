@@ -61,6 +61,9 @@ ScanStream::Found ScanStream::take(std::span<const std::byte>& bytes, std::int64
           turn_.spoil();
         }
         return {.scan = {}, .error = Errc::kFrameMalformed};
+      case PointReader::Outcome::kBroken:
+        turn_.clear();
+        return {.scan = {}, .error = Errc::kFrameMalformed};
       case PointReader::Outcome::kWrongSum:
         return {.scan = {}, .error = Errc::kWrongSum};
     }

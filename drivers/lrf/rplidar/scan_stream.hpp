@@ -47,7 +47,7 @@ class ScanStream {
   RangeBuffer buffer_;
   PointReader reader_;
   Turn turn_;
-  ArrivalClock clock_;
+  ArrivalClock clock_{250'000'000};
   std::int64_t sample_ns_ = 0;
   std::int64_t transfer_ns_ = 0;  ///< of a node or a capsule
   std::int64_t last_stamp_ns_ = 0;

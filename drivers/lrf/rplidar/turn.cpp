@@ -25,8 +25,7 @@ void Turn::clear() {
 
 void Turn::push(const Sample& sample) {
   if (count_ == samples_.size()) {
-    is_spoilt_ = true;  // it doesn't turn
-    return;
+    clear();  // it doesn't turn
   }
   samples_[count_++] = sample;
 }

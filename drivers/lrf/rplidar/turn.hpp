@@ -63,7 +63,7 @@ class Turn {
   std::vector<Sample> finished_;  ///< of the complete turn, with one sample beyond each end
   std::size_t count_ = 0;
   std::size_t finished_count_ = 0;
-  bool is_whole_ = false;
+  bool is_whole_ = false;  ///< from its start
   bool is_spoilt_ = false;
   Complete complete_;
 };

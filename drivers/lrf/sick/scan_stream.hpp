@@ -59,7 +59,7 @@ class ScanStream {
   SickUnit unit_;
   LrfGeometry geometry_;
   RangeBuffer buffer_;
-  ArrivalClock clock_;
+  ArrivalClock clock_{1'000'000'000};
   std::int64_t way_ns_ = 0;         ///< from the first beam to the arrival, when nothing is late
   bool is_first_ = true;            ///< of this stream
   std::int64_t turns_ = 0;          ///< of the mirror, up to the last scan

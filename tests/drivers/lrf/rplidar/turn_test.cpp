@@ -68,7 +68,7 @@ TEST(RplidarTurn, TellsNoReturnFromNoPoint) {
     }
   }
   std::vector<float> ranges_m(360);
-  EXPECT_EQ(turn.resample(ranges_m), 360 - 10);
+  EXPECT_EQ(turn.resample(ranges_m), 360 - 11);
   EXPECT_TRUE(std::isinf(ranges_m[55]));
   EXPECT_EQ(ranges_m[205], 0.0F);
   EXPECT_FLOAT_EQ(ranges_m[100], 2.0F);
@@ -97,9 +97,8 @@ TEST(RplidarTurn, AMotorThatStandsStillFillsNoMemory) {
   for (int i = 0; i < 100'000; ++i) {
     EXPECT_FALSE(turn.add({.angle_deg = 100.0, .range_m = 1.0}, i * kMs));
   }
-  static_cast<void>(turn.add({.angle_deg = 250.0, .range_m = 1.0}, 0));
-  EXPECT_TRUE(turn.add({.angle_deg = 3.0, .range_m = 1.0}, 0));
-  EXPECT_TRUE(turn.is_spoilt());
+  EXPECT_TRUE(turn_twice(turn, 361, room_m));
+  EXPECT_TRUE(turn.is_whole());
 }
 
 }  // namespace
