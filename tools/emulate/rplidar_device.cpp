@@ -14,6 +14,7 @@ namespace {
 constexpr std::array<RplidarModel, 2> kModels{{
     {.name = "rplidar-a1",
      .product = "RPLIDAR A1",
+     .firmware_minor = 16,
      .id = 0x18,
      .turn_ns = 181'818'182,
      .sample_us = 508,
@@ -23,6 +24,7 @@ constexpr std::array<RplidarModel, 2> kModels{{
      .range_sd_m = 0.010},
     {.name = "rplidar-a2",
      .product = "RPLIDAR A2",
+     .firmware_minor = 29,
      .id = 0x28,
      .turn_ns = 100'000'000,
      .sample_us = 500,
@@ -219,6 +221,45 @@ void RplidarDevice::stream(Mode mode, std::string_view answer, std::int64_t now_
   skip_to(now_ns);
 }
 
+/// What newer firmware tells of its scans: 0 is the standard one, 1 the express one.
+std::string RplidarDevice::configuration(std::string_view payload) const {
+  constexpr unsigned kCount = 0x70;
+  constexpr unsigned kSampleTime = 0x71;
+  constexpr unsigned kFarthest = 0x74;
+  constexpr unsigned kAnswerType = 0x75;
+  constexpr unsigned kTypical = 0x7C;
+  constexpr unsigned kName = 0x7F;
+  const unsigned what = static_cast<unsigned char>(payload[0]);
+  const bool is_express = payload.size() > 4 && payload[4] != 0;
+  std::string data(payload.substr(0, 4));
+  switch (what) {
+    case kCount:
+      put(data, 2);
+      break;
+    case kSampleTime:
+      put(data, 256U * static_cast<unsigned>(is_express ? model_.express_sample_us : model_.sample_us) & 0xFFFFU);
+      put(data, static_cast<unsigned>(is_express ? model_.express_sample_us : model_.sample_us) >> 8U);
+      break;
+    case kFarthest:
+      put(data, static_cast<unsigned>(model_.range_far_m * 256.0));
+      put(data, 0);
+      break;
+    case kAnswerType:
+      data += byte(is_express ? 0x82 : 0x81);
+      break;
+    case kTypical:
+      put(data, 1);
+      break;
+    case kName:
+      data += is_express ? "Express" : "Standard";
+      data += '\0';
+      break;
+    default:
+      break;
+  }
+  return descriptor(static_cast<unsigned>(data.size()), false, 0x20) + data;
+}
+
 void RplidarDevice::execute(int command, std::string_view payload, std::int64_t now_ns) {
   using rplidar::Command;
   std::string answer;
@@ -231,7 +272,8 @@ void RplidarDevice::execute(int command, std::string_view payload, std::int64_t 
     case Command::kInfo:
       answer = descriptor(20, false, 0x04);
       answer += byte(static_cast<unsigned>(model_.id));
-      answer += "\x1D\x01\x07";
+      answer += byte(static_cast<unsigned>(model_.firmware_minor));
+      answer += "\x01\x07";
       answer += "ODOLESSEMULATED1";
       return send(answer, now_ns);
     case Command::kHealth:
@@ -255,6 +297,9 @@ void RplidarDevice::execute(int command, std::string_view payload, std::int64_t 
   }
   if (command == 0x21) {  // the standard scan, whatever its health
     return stream(Mode::kStandard, descriptor(5, true, 0x81), now_ns);
+  }
+  if (command == 0x84 && payload.size() >= 4 && model_.firmware_minor >= 24) {
+    return send(configuration(payload), now_ns);
   }
   if (command == 0xFF) {  // whether its board has a motor that takes commands
     answer = descriptor(4, false, 0xFF);

@@ -14,7 +14,8 @@ namespace odoless {
 struct RplidarModel {
   std::string_view name;  ///< as in drivers/lrf/models.hpp, where it is there
   std::string_view product;
-  int id;  ///< what it says to be
+  int firmware_minor;  ///< of 1.x: clients take up to 16 for one without the express scan
+  int id;              ///< what it says to be
   std::int64_t turn_ns;
   int sample_us;  ///< of the standard scan
   int express_sample_us;
@@ -53,6 +54,7 @@ class RplidarDevice final : public EmulatedLrf {
 
   [[nodiscard]] bool take_request(std::int64_t now_ns);
   void execute(int command, std::string_view payload, std::int64_t now_ns);
+  [[nodiscard]] std::string configuration(std::string_view payload) const;
   void stream(Mode mode, std::string_view descriptor, std::int64_t now_ns);
 
   /// One sample: where the mirror was, and what was seen.

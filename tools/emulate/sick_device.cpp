@@ -24,6 +24,7 @@ constexpr std::size_t kHead = sick::kHeadBytes;
 constexpr std::size_t kSum = sick::kSumBytes;
 constexpr std::size_t kConfigurationBytes = 34;
 constexpr std::size_t kStateBytes = 151;
+constexpr int kStatus = 0x10;  ///< of this kind of device, without complaint
 constexpr int kAck = 0x06;
 constexpr int kNak = 0x15;
 constexpr std::string_view kPassword = "SICK_LMS";
@@ -51,7 +52,7 @@ std::string telegram(std::string_view payload) {
   std::string bytes = message(0x02, "\x80");
   put(bytes, static_cast<unsigned>(payload.size() + 1));
   bytes.append(payload);
-  bytes += '\0';
+  bytes += byte(kStatus);
   put(bytes, sum_of(bytes));
   return bytes;
 }
