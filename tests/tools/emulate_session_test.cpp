@@ -231,6 +231,31 @@ TEST(ScipSession, ResetsADeviceThatSaysItIsBroken) {
   EXPECT_EQ(bench.session().counters().restarts, 1U);
 }
 
+// A counter that runs 1000 ppm fast and wraps, bytes up to 5 ms late: after 10 s, every stamp is within 1 ms of the
+// truth.
+TEST(ScipSession, StampsAreRightInSpiteOfDriftJitterAndWrap) {
+  Bench bench{"utm-30lx", {.faults = {parse_fault("drift=1000@0")}, .counter_start_ms = (1 << 24) - 12'000}};
+  Rng rng(9);
+  std::int64_t awake_ns = 0;
+  bench.on_the_way = [&](std::string& bytes) {
+    awake_ns = bytes.size() > 1000 ? bench.now_ns() + static_cast<std::int64_t>(rng.uniform(0.0, 5e6)) : awake_ns;
+  };
+  bench.reset();
+  while (bench.heard().scans.size() < 1000) {
+    bench.host_asleep = bench.now_ns() < awake_ns;
+    bench.run(kMs / 4);
+  }
+  EXPECT_EQ(bench.session().counters().rejected, 0U);
+  std::size_t next = 0;
+  for (std::size_t i = 400; i < 1000; ++i) {
+    const std::int64_t stamp_ns = bench.heard().scans[i].stamp_ns;
+    while (bench.sent()[next].first_beam_ns < stamp_ns - 12 * kMs) {
+      ++next;
+    }
+    ASSERT_LT(std::abs(stamp_ns - bench.sent()[next].first_beam_ns), kMs) << "scan " << i;
+  }
+}
+
 TEST(ScipSession, AHostThatSleptKeepsTheStampsRight) {
   Bench bench;
   bench.reset();

@@ -224,7 +224,7 @@ void RplidarDevice::stream(Mode mode, std::string_view answer, std::int64_t now_
 /// What newer firmware tells of its scans: 0 is the standard one, 1 the express one.
 std::string RplidarDevice::configuration(std::string_view payload) const {
   constexpr unsigned kCount = 0x70;
-  constexpr unsigned kSampleTime = 0x71;
+  constexpr unsigned kPace = 0x71;
   constexpr unsigned kFarthest = 0x74;
   constexpr unsigned kAnswerType = 0x75;
   constexpr unsigned kTypical = 0x7C;
@@ -236,7 +236,7 @@ std::string RplidarDevice::configuration(std::string_view payload) const {
     case kCount:
       put(data, 2);
       break;
-    case kSampleTime:
+    case kPace:
       put(data, 256U * static_cast<unsigned>(is_express ? model_.express_sample_us : model_.sample_us) & 0xFFFFU);
       put(data, static_cast<unsigned>(is_express ? model_.express_sample_us : model_.sample_us) >> 8U);
       break;
