@@ -50,6 +50,7 @@ struct LrfParams {
   LrfReading reading = LrfReading::kRange;
   int cluster = 1;
   int skip = 0;
+  bool deskew = false;
   SickVariant sick_variant = SickVariant::k180ByHalf;
   SickUnit sick_unit = SickUnit::kMm;
   RplidarScan rplidar_scan = RplidarScan::kStandard;
@@ -70,6 +71,9 @@ struct LrfParams {
     visit.choice("reading", self.reading, kLrfReadingNames, "What the laser sends of each beam.");
     visit.value("cluster", self.cluster, Range{1, 99}, "Neighbouring beams that the laser joins to one, the nearest.");
     visit.value("skip", self.skip, Range{0, 9}, "Scans that the laser leaves out after each one that it sends.");
+    visit.flag(
+        "deskew", self.deskew,
+        "Whether the motion during a scan is taken out of it, where the laser tells when each beam was measured.");
     visit.choice("sick_variant", self.sick_variant, kSickVariantNames,
                  "Field of view and step of a SICK laser, in degrees.");
     visit.choice("sick_unit", self.sick_unit, kSickUnitNames,

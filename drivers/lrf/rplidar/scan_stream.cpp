@@ -94,6 +94,7 @@ ScanStream::Found ScanStream::finish_turn(std::int64_t arrival_ns) {
                           .arrival_ns = arrival_ns,
                           .start_angle_rad = geometry_.start_angle_rad,
                           .angle_step_rad = geometry_.angle_step_rad,
+                          .beam_period_ns = geometry_.period_ns / geometry_.beams,
                           .ranges_m = buffer_.seal()},
           .error = Errc::kOk};
 }

@@ -118,6 +118,8 @@ Result<LrfScan> ScanStream::scan(const Telegram& telegram, std::int64_t arrival_
                  .arrival_ns = arrival_ns,
                  .start_angle_rad = geometry_.start_angle_rad,
                  .angle_step_rad = geometry_.angle_step_rad,
+                 // Of steps below 1 degree, the beams between come with the next turns.
+                 .beam_period_ns = variant_.turns() == 1 ? kTurnNs / 360 : 0,
                  .ranges_m = buffer_.seal()};
 }
 
