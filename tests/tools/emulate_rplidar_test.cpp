@@ -70,6 +70,8 @@ TEST(RplidarSession, BringsEveryModelUpAndHearsItsTurns) {
       EXPECT_GE(bench.heard().scans.size(), static_cast<std::size_t>(3500 * kMs / model.turn_ns) - 2U);
       EXPECT_NEAR(static_cast<double>(bench.session().geometry().period_ns), static_cast<double>(model.turn_ns), 1e6);
       expect_scans_true(bench, kMs);
+      EXPECT_NEAR(static_cast<double>(bench.heard().scans.back().beam_period_ns * 360),
+                  static_cast<double>(model.turn_ns), 1e6);
       EXPECT_NEAR(bench.heard().scans[0].angle_step_rad, -std::numbers::pi / 180.0, 1e-7) << "clockwise";
     }
   }

@@ -58,6 +58,8 @@ TEST(ScipSession, BringsEveryModelUpAndHearsItsScans) {
     EXPECT_EQ(geometry.start_angle_rad, static_cast<double>(static_cast<float>(geometry.start_angle_rad)));
     EXPECT_EQ(bench.heard().scans[0].stamp_ns % 1000, 0);
     EXPECT_EQ(geometry.period_ns, model.turn_ns());
+    EXPECT_NEAR(static_cast<double>(bench.heard().scans[0].beam_period_ns * (model.beams() - 1)),
+                static_cast<double>(model.beam_list().back().time_ns - model.beam_list().front().time_ns), 2000.0);
     EXPECT_EQ(bench.session().counters().rejected, 0U);
     EXPECT_EQ(bench.session().counters().scans, bench.sent().size());
   }

@@ -67,6 +67,8 @@ TEST(SickSession, BringsEveryVariantUpAtEveryRateAndHearsItsScans) {
       EXPECT_NEAR(geometry.start_angle_rad + 0.5 * (geometry.beams - 1) * geometry.angle_step_rad, 0.0, 1e-6);
       EXPECT_GT(bench.heard().scans.size(), static_cast<std::size_t>(4 * kSecond / geometry.period_ns) - 2U);
       EXPECT_EQ(bench.session().counters().rejected, 0U);
+      EXPECT_EQ(bench.heard().scans[0].beam_period_ns, sick::variant_of(variant).turns() == 1 ? sick::kTurnNs / 360 : 0)
+          << "of smaller steps, the beams come in turns";
       expect_scans_true(bench, params, 2 * kMs);
     }
   }

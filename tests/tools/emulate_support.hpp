@@ -24,6 +24,7 @@ struct HeardScan {
   double start_angle_rad = 0.0;
   double angle_step_rad = 0.0;
   std::vector<float> ranges_m;
+  std::int64_t beam_period_ns = 0;
 };
 
 class Heard final : public LrfSink {
@@ -33,7 +34,8 @@ class Heard final : public LrfSink {
                      scan.arrival_ns,
                      scan.start_angle_rad,
                      scan.angle_step_rad,
-                     {scan.ranges_m.begin(), scan.ranges_m.end()}});
+                     {scan.ranges_m.begin(), scan.ranges_m.end()},
+                     scan.beam_period_ns});
   }
   void on_event(const LrfEvent& event) override { events.push_back(event); }
 

@@ -112,10 +112,10 @@ TEST(Deskew, TheMatchersOwnVelocityWillDo) {
 
 // What a log without beam times gives stays bit for bit.
 TEST(Deskew, DoesNothingWhereNothingIsKnown) {
-  const std::vector<float> ranges(180, 3.0F);
+  const std::vector<float> ranges_m(180, 3.0F);
   for (const std::int64_t beam_period_ns : {std::int64_t{0}, std::int64_t{1'000'000'000}}) {
     ScanFrame scan(ScanParams{});
-    ASSERT_EQ(scan.assign({.angle_step_rad = 0.01, .beam_period_ns = beam_period_ns, .ranges_m = ranges}), Errc::kOk);
+    ASSERT_EQ(scan.assign({.angle_step_rad = 0.01, .beam_period_ns = beam_period_ns, .ranges_m = ranges_m}), Errc::kOk);
     const ScanFrame before = scan;
     scan.deskew({1.0, 1.0, 1.0});
     for (int i = 0; i < scan.size(); ++i) {
@@ -128,8 +128,8 @@ TEST(Deskew, DoesNothingWhereNothingIsKnown) {
 }
 
 TEST(Deskew, DoesNotBelieveWildSpeedsAndLeavesNothingBehind) {
-  const std::vector<float> ranges(180, 3.0F);
-  const RawScan raw{.angle_step_rad = 0.01, .beam_period_ns = 100'000, .ranges_m = ranges};
+  const std::vector<float> ranges_m(180, 3.0F);
+  const RawScan raw{.angle_step_rad = 0.01, .beam_period_ns = 100'000, .ranges_m = ranges_m};
   ScanFrame scan(ScanParams{});
   ASSERT_EQ(scan.assign(raw), Errc::kOk);
   const ScanFrame before = scan;
