@@ -19,7 +19,7 @@ namespace odoless::rplidar {
 /// Thread: one thread. Real time: no allocation after construction; n log n in the points of a turn.
 class Turn {
  public:
-  static constexpr std::size_t kPointsMax = 16384;
+  static constexpr std::size_t kPointsMax = 8192;
 
   Turn();
 
