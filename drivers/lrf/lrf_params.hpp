@@ -37,9 +37,10 @@ struct LrfParams {
   static void describe(Self& self, Visitor& visit) {
     visit.choice("driver", self.driver, kLrfDriverNames,
                  "Protocol of the laser range finder; lcm: another program reads it, and scans come over LCM.");
-    visit.text("device", self.device, "Path of the laser's serial line.");
+    visit.text("device", self.device,
+               "Where the laser is: a path, tcp://ADDRESS:PORT (numbers, no name), or usb://VENDOR:PRODUCT[/SERIAL].");
     visit.text("channel", self.channel, "Channel of the scans (planar_lidar_t) for the driver lcm.");
-    visit.value("baud", self.baud, Range{0, 4'000'000}, "Rate of the serial line; 0 for USB, which has none.");
+    visit.value("baud", self.baud, Range{0, 4'000'000}, "Rate of a serial line; 0 for USB, which has none.");
     visit.choice("reading", self.reading, kLrfReadingNames, "What the laser sends of each beam.");
     visit.value("cluster", self.cluster, Range{1, 99}, "Neighbouring beams that the laser joins to one, the nearest.");
     visit.value("skip", self.skip, Range{0, 9}, "Scans that the laser leaves out after each one that it sends.");

@@ -1,11 +1,17 @@
 #include "drivers/lrf/make_lrf_session.hpp"
 
+#include "drivers/io/device_address.hpp"
 #include "drivers/lrf/scip/scip_session.hpp"
 
 namespace odoless {
 
-std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_max) {
-  ODOLESS_CHECK(parameters_in_range(params));
+std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& configured, int beams_max) {
+  ODOLESS_CHECK(parameters_in_range(configured));
+  LrfParams params = configured;
+  if (const auto address = parse_device_address(params.device);
+      address.ok() && !std::holds_alternative<SerialAddress>(address.value())) {
+    params.baud = 0;  // the line has no rate, so the device isn't to be told one
+  }
   switch (params.driver) {
     case LrfDriver::kScip:
       return std::make_unique<ScipSession>(params, beams_max);
@@ -14,10 +20,6 @@ std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_
   }
   ODOLESS_CHECK(false);
   return nullptr;
-}
-
-Result<FileDescriptor> open_lrf_line(const LrfParams& params) {
-  return open_serial({.path = params.device, .baud = params.baud});
 }
 
 }  // namespace odoless

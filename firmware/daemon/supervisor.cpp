@@ -29,6 +29,7 @@ FileDescriptor block_signals() {
     sigaddset(&set, signal);
   }
   static_cast<void>(pthread_sigmask(SIG_BLOCK, &set, nullptr));
+  static_cast<void>(std::signal(SIGPIPE, SIG_IGN));  // a line whose other side is gone says so by itself
   return FileDescriptor(::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
 }
 
@@ -50,7 +51,8 @@ std::optional<Pose2> parse_pose(std::string_view text) {
 Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t standing_reasons)
     : options_(options),
       machine_(machine),
-      keeper_(options.params.lrf, machine.line(), machine.pipeline().sensor.wake),
+      keeper_(options.params.lrf, machine.line(), machine.pipeline().sensor.wake,
+              options.params.pipeline.sensor_priority),
       signals_(block_signals()) {
   surroundings_.standing_reasons = standing_reasons;
   surroundings_.device_tried = false;
@@ -81,7 +83,9 @@ int Supervisor::open_laser() {
   const std::string& device = options_.params.lrf.device;
   if (laser_error_ != Errc::kDeviceMissing) {
     log_line(EventPriority::kError, fmt::format("{}: {} (lrf.device)", device, describe(laser_error_)));
-    return laser_error_ == Errc::kDeviceDenied ? EX_NOPERM : EX_UNAVAILABLE;
+    return laser_error_ == Errc::kDeviceDenied ? EX_NOPERM
+           : laser_error_ == Errc::kBadAddress ? EX_CONFIG
+                                               : EX_UNAVAILABLE;
   }
   log_line(EventPriority::kWarning,
            fmt::format("{}: {}; it is opened as soon as it is there (lrf.device)", device, describe(laser_error_)));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "drivers/io/serial_port.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
 
 namespace odoless {
@@ -112,8 +113,8 @@ void LrfSource::add_counts(SourceHealth& health) const {
   health.reconnects += std::max<std::int64_t>(opened_ - 1, 0);
 }
 
-LrfKeeper::LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor)
-    : params_(params), line_(line), sensor_(sensor) {}
+LrfKeeper::LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor, int priority)
+    : device_(params.device, params.baud), line_(line), sensor_(sensor), priority_(priority) {}
 
 LrfKeeper::~LrfKeeper() {
   const FileDescriptor offered(line_.offered.exchange(-1));
@@ -131,7 +132,7 @@ Errc LrfKeeper::tick(std::int64_t now_ns) {
   if (in_use || now_ns < next_try_ns_) {
     return Errc::kOk;
   }
-  Result<FileDescriptor> opened = open_lrf_line(params_);
+  Result<FileDescriptor> opened = device_.open(priority_);
   if (!opened.ok()) {
     next_try_ns_ = now_ns + pause_ns_;
     pause_ns_ = std::min(2 * pause_ns_, kPauseMax_ns);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "drivers/io/device_line.hpp"
 #include "drivers/lrf/lrf_params.hpp"
 #include "drivers/lrf/lrf_session.hpp"
 #include "firmware/stages/scan_source.hpp"
@@ -21,7 +22,7 @@ struct LineHandover {
   std::atomic<bool> in_use{false};  ///< set by who offers, cleared by who returns
 };
 
-/// A laser range finder on a serial line.
+/// A laser range finder on its line: serial, TCP or USB.
 ///
 /// Thread: sensor thread. Real time: system calls read, write, and ioctl where the rate of the line changes.
 class LrfSource final : public ScanSource, private LrfSink {
@@ -63,7 +64,8 @@ class LrfSource final : public ScanSource, private LrfSink {
 /// Thread: supervisor; not real-time.
 class LrfKeeper {
  public:
-  LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor);
+  /// @param priority  Of the thread that a laser on USB needs besides.
+  LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor, int priority);
   ~LrfKeeper();
 
   /// Does what is due. @return kOk while the line is open or nothing was tried, else why it could not be opened.
@@ -73,9 +75,10 @@ class LrfKeeper {
   static constexpr std::int64_t kPauseMin_ns = 100'000'000;
   static constexpr std::int64_t kPauseMax_ns = 500'000'000;
 
-  LrfParams params_;
+  DeviceLine device_;
   LineHandover& line_;
   WakeUp& sensor_;
+  int priority_;
   std::int64_t next_try_ns_ = 0;
   std::int64_t pause_ns_ = kPauseMin_ns;
 };
