@@ -55,6 +55,7 @@ void LrfSource::work(std::int64_t now_ns, ScanSink& sink) {
 
 bool LrfSource::read_all(std::int64_t now_ns) {
   for (int i = 0; i < kReadsPerRound; ++i) {
+    errno = 0;  // 0 bytes: the other side has ended it
     const ssize_t size_bytes = ::read(descriptor_, buffer_.data(), buffer_.size());
     if (size_bytes == 0 || (size_bytes < 0 && errno != EAGAIN && errno != EINTR)) {
       return false;

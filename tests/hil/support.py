@@ -1,7 +1,9 @@
 """What tests in the guest share: programs of the product, simulated GPIO chips, waiting."""
 
 import os
+import re
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -101,3 +103,81 @@ class SimulatedGpio:
     def _read(path):
         with open(path, encoding="ascii") as file:
             return file.read().strip()
+
+
+# A daemon for a machine that computes slowly: it tracks, but coarsely.
+SMALL_DAEMON = """
+[lcm]
+url = ""
+[pipeline]
+matcher_budget_ms = 20.0
+sensor_priority = 10
+matcher_priority = 0
+watchdog_ms = 5000.0
+[scan]
+beams_max = 256
+[matcher]
+refine_steps = 1
+[matcher.search]
+start_points = 10
+coarse_evaluations = 20
+fine_evaluations = 20
+simplex_steps = 3
+[matcher.search.de]
+population = 10
+[matcher.reference.fine]
+extent_m = 5.0
+[matcher.reference.coarse]
+extent_m = 5.0
+[odometry.local_map.fine]
+extent_m = 5.0
+[odometry.local_map.coarse]
+extent_m = 5.0
+"""
+
+
+class DaemonTest(HilTest):
+    """A daemon, and an emulated laser for it: few beams at 10 Hz."""
+
+    LASER = ("emulate", "lrf", "--model", "urg-04lx", "--start-at-once")
+
+    def start_laser(self, *line):
+        with open(self.path("room.world"), "w", encoding="ascii") as world:
+            world.write("room 0 0  6 4\nspeed 0.1\ngo 2 2  2.5 2\n")
+        laser = self.start(*program("odoless", *self.LASER, "--from", self.path("room.world"), *line))
+        self.addCleanup(time.sleep, 0.2)  # the kernel pulls a device out after its emulator's end
+        return laser
+
+    def start_daemon(self, lrf, more=""):
+        with open(self.path("robot.toml"), "w", encoding="ascii") as config:
+            config.write(f'[lrf]\n{lrf}\ncluster = 8\n[control]\nsocket = "{self.path("control")}"\n{SMALL_DAEMON}{more}')
+        self.log = open(self.path("daemon.log"), "w+", encoding="utf-8")
+        self.addCleanup(self.log.close)
+        return self.start(*program("odolessd", "--config", self.path("robot.toml"), "--stages", "sensor,matcher",
+                                   "--enforce-realtime"), stderr=self.log)
+
+    def status(self):
+        """The daemon's answer to `status`; empty while it isn't there."""
+        try:
+            with socket.socket(socket.AF_UNIX) as control:
+                control.settimeout(2)
+                control.connect(self.path("control"))
+                control.sendall(b"status\n")
+                text = b""
+                while chunk := control.recv(4096):
+                    text += chunk
+                return text.decode()
+        except OSError:
+            return ""
+
+    def scans(self):
+        found = re.search(r"scans (\d+) accepted", self.status())
+        return int(found[1]) if found else 0
+
+    def wait_for_scans(self, more, seconds):
+        before = self.scans()
+        try:
+            return self.wait_until(lambda: self.scans() >= before + more, seconds, f"{more} scans more")
+        except AssertionError:
+            with open(self.path("daemon.log"), encoding="utf-8") as log:
+                raise AssertionError(f"no scans:\n{self.status()}\n{log.read()}") from None
