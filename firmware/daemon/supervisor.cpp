@@ -153,11 +153,31 @@ bool Supervisor::watch() {
   // Rounds are counted and not time, so that a process that was stopped as a whole is not taken for one that hangs.
   silent_ns_ = machine_.is_alive() ? 0 : silent_ns_ + kWatch_ns;
   surroundings_.stage_silent = silent_ns_ > 0 && silent_ns_ + kWatch_ns > options_.params.pipeline.watchdog_ns / 2;
+  follow_gpio();
   machine_.publisher().set_surroundings(surroundings_);
   if (silent_ns_ == 0) {
     notify_service_manager(fmt::format("WATCHDOG=1\nSTATUS={}", state_sentence(machine_.publisher().health())));
   }
   return silent_ns_ < options_.params.pipeline.watchdog_ns;
+}
+
+void Supervisor::follow_gpio() {
+  GpioSignals& gpio = machine_.gpio();
+  if (const bool stopped = gpio.stopped; stopped != surroundings_.stopped) {
+    surroundings_.stopped = stopped;
+    log_line(EventPriority::kWarning,
+             stopped ? "emergency stop: pressed, or its line is lost" : "emergency stop: released");
+  }
+  if (const bool lost = gpio.line_lost || gpio.sync_missing; lost != surroundings_.gpio_lost) {
+    surroundings_.gpio_lost = lost;
+    log_line(EventPriority::kWarning,
+             lost ? "GPIO: a line cannot be used, or the sync pulse is missing ([gpio])" : "GPIO: all lines are there");
+  }
+  if (const std::int64_t cycles = gpio.power_cycles; cycles != power_cycles_) {
+    power_cycles_ = cycles;
+    log_line(EventPriority::kWarning, "laser: without a scan for too long: switched off and on (gpio.power_line)");
+  }
+  gpio.state = machine_.publisher().health().state;
 }
 
 void Supervisor::reload() {

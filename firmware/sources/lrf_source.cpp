@@ -13,6 +13,13 @@ namespace odoless {
 LrfSource::LrfSource(const LrfParams& params, int beams_max, LineHandover& line)
     : params_(params), session_(make_lrf_session(params, beams_max)), line_(line) {}
 
+void LrfSource::attach(GpioSignals& signals, std::optional<std::int64_t> sync_delay_ns) {
+  signals_ = &signals;
+  if (sync_delay_ns) {
+    sync_.emplace(*sync_delay_ns);
+  }
+}
+
 std::int64_t LrfSource::next_deadline_ns() const {
   return is_open() ? std::min(session_->next_deadline_ns(), last_scan_or_open_ns_ + kReopen_ns) : kNever_ns;
 }
@@ -86,11 +93,27 @@ void LrfSource::write_all() {
 void LrfSource::on_scan(const LrfScan& scan) {
   last_scan_or_open_ns_ = scan.arrival_ns;
   RawScan raw;
-  raw.stamp_ns = scan.stamp_ns;
+  raw.stamp_ns = synchronized_ns(scan.stamp_ns);
   raw.start_angle_rad = scan.start_angle_rad;
   raw.angle_step_rad = scan.angle_step_rad;
   raw.ranges_m = scan.ranges_m;
   sink_->on_scan(raw);
+}
+
+std::int64_t LrfSource::synchronized_ns(std::int64_t stamp_ns) {
+  if (signals_ == nullptr) {
+    return stamp_ns;
+  }
+  signals_->last_scan_ns.store(last_scan_or_open_ns_, std::memory_order_relaxed);
+  if (!sync_) {
+    return stamp_ns;
+  }
+  for (std::int64_t pulse_ns = 0; signals_->sync_pulses_ns.try_pop(pulse_ns);) {
+    sync_->on_pulse(pulse_ns);
+  }
+  const std::int64_t refined_ns = sync_->refine(stamp_ns);
+  signals_->sync_missing.store(sync_->missed_in_a_row() >= kSyncMissing, std::memory_order_relaxed);
+  return refined_ns;
 }
 
 void LrfSource::on_event(const LrfEvent& event) {
