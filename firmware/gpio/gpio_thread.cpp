@@ -72,6 +72,7 @@ void GpioThread::run() {
     serve_sync();
     serve_stop(now_ns);
     serve_outputs(now_ns);
+    signals_.line_lost = !has_all_lines();
   }
   if (led_line_) {
     static_cast<void>(led_line_->set(!is_high(params_.led_level)));
@@ -90,9 +91,11 @@ void GpioThread::open_lines(std::int64_t now_ns) {
   open_input(sync_line_, params_.sync_line, GpioPull::kNone);
   open_output(power_line_, params_.power_line, is_high(params_.power_level));
   open_output(led_line_, params_.led_line, is_high(params_.led_level));
-  signals_.line_lost =
-      stop_line_.has_value() == params_.stop_line.empty() || sync_line_.has_value() == params_.sync_line.empty() ||
-      power_line_.has_value() == params_.power_line.empty() || led_line_.has_value() == params_.led_line.empty();
+}
+
+bool GpioThread::has_all_lines() const {
+  return stop_line_.has_value() != params_.stop_line.empty() && sync_line_.has_value() != params_.sync_line.empty() &&
+         power_line_.has_value() != params_.power_line.empty() && led_line_.has_value() != params_.led_line.empty();
 }
 
 void GpioThread::wait() {

@@ -42,6 +42,7 @@ class GpioThread {
 
   void run();
   void open_lines(std::int64_t now_ns);
+  [[nodiscard]] bool has_all_lines() const;
   void wait();
   void serve_stop(std::int64_t now_ns);
   void serve_sync();

@@ -68,7 +68,7 @@ class Result(unittest.TestResult):
         self.report.add(name_of(test), self.problem[0], time.monotonic() - self.began, self.problem[1])
 
     def addFailure(self, test, err):
-        self.problem = ("Failed", self._exc_info_to_string(err, test))
+        self.problem = ("Failed", self.problem[1] + self._exc_info_to_string(err, test))
 
     addError = addFailure
 

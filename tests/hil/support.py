@@ -65,10 +65,10 @@ class SimulatedGpio:
         for offset, line in enumerate(lines):
             os.mkdir(os.path.join(bank, f"line{offset}"))
             self._write(os.path.join(bank, f"line{offset}", "name"), line)
-        self._write(os.path.join(self.folder, "live"), 1)
         self.lines = lines
         self.bank = bank
-        self.chip = self._read(os.path.join(bank, "chip_name"))
+        self._write(os.path.join(self.folder, "live"), 1)
+        self.chip = self._read(os.path.join(self.bank, "chip_name"))
         device = self._read(os.path.join(self.folder, "dev_name"))
         self.pins = os.path.join("/sys/devices/platform", device, self.chip)
 
@@ -78,14 +78,9 @@ class SimulatedGpio:
     def value(self, line):
         return int(self._read(os.path.join(self._pin(line), "value")))
 
-    def unplug(self):
-        self._write(os.path.join(self.folder, "live"), 0)
-
-    def plug(self):
-        self._write(os.path.join(self.folder, "live"), 1)
-
     def remove(self):
-        self.unplug()
+        """Not while a line is in use, which corrupts the memory of Linux 6.1."""
+        self._write(os.path.join(self.folder, "live"), 0)
         for offset in range(len(self.lines)):
             os.rmdir(os.path.join(self.bank, f"line{offset}"))
         os.rmdir(self.bank)
@@ -148,13 +143,13 @@ class DaemonTest(HilTest):
         self.addCleanup(time.sleep, 0.2)  # the kernel pulls a device out after its emulator's end
         return laser
 
-    def start_daemon(self, lrf, more=""):
+    def start_daemon(self, lrf, more="", **environment):
         with open(self.path("robot.toml"), "w", encoding="ascii") as config:
             config.write(f'[lrf]\n{lrf}\ncluster = 8\n[control]\nsocket = "{self.path("control")}"\n{SMALL_DAEMON}{more}')
         self.log = open(self.path("daemon.log"), "w+", encoding="utf-8")
         self.addCleanup(self.log.close)
         return self.start(*program("odolessd", "--config", self.path("robot.toml"), "--stages", "sensor,matcher",
-                                   "--enforce-realtime"), stderr=self.log)
+                                   "--enforce-realtime"), stderr=self.log, env={**os.environ, **environment})
 
     def status(self):
         """The daemon's answer to `status`; empty while it isn't there."""
