@@ -12,7 +12,7 @@ namespace odoless {
 /// A scan's first beam comes `delay_ns` after its turn's pulse. The stamp that the session made of the laser's own
 /// clock says which pulse that is, so it may be wrong by up to a quarter of a turn.
 ///
-/// Thread: one thread. Real time: no allocation; at most 16 steps per call.
+/// Thread: one thread. Real time: no allocation; at most about 50 steps per call.
 class SyncClock {
  public:
   explicit SyncClock(std::int64_t delay_ns) : delay_ns_(delay_ns) {}
@@ -29,7 +29,7 @@ class SyncClock {
  private:
   static constexpr std::size_t kPulses = 16;
 
-  [[nodiscard]] std::int64_t shortest_turn_ns() const;
+  [[nodiscard]] std::int64_t usual_turn_ns() const;
 
   std::int64_t delay_ns_;
   std::array<std::int64_t, kPulses> pulses_ns_{};  ///< a ring

@@ -54,6 +54,20 @@ TEST(SyncClock, AMissingPulseCostsOneScanItsPulse) {
   }
 }
 
+TEST(SyncClock, APulseTooManyDoesNotPutTheOthersOut) {
+  SyncClock clock(0);
+  for (int i = 1; i < 40; ++i) {
+    clock.on_pulse(i * kTurn_ns);
+    if (i == 20) {
+      clock.on_pulse(i * kTurn_ns + kMs / 10);  // a wire beside it
+    }
+    if (i > 1) {
+      EXPECT_LE(clock.refine(i * kTurn_ns - 3 * kMs) - i * kTurn_ns, kMs / 10) << i;
+      EXPECT_EQ(clock.missed_in_a_row(), 0) << i;
+    }
+  }
+}
+
 RC_GTEST_PROP(SyncClock, StampsStayInOrderAndNearWhateverThePulses, ()) {
   const auto pulses_ms = *rc::gen::container<std::vector<std::int64_t>>(rc::gen::inRange<std::int64_t>(0, 2000));
   SyncClock clock(0);
