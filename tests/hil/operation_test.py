@@ -43,7 +43,8 @@ class OperationTest(DaemonTest):
         gpio = SimulatedGpio("udev", ["a"])
         self.addCleanup(gpio.remove)
         self.start_laser("--usbip")
-        self.wait_until(lambda: os.path.exists("/dev/odoless/lrf-H0000001"), 20, "the laser's name")
+        self.wait_until(lambda: os.path.exists("/dev/odoless/lrf-H0000001") and os.path.exists("/dev/odoless/lrf"), 20,
+                        "the laser's names")
         self.assertEqual(os.path.realpath("/dev/odoless/lrf"), "/dev/ttyACM0")
         self.assert_for_the_group("/dev/odoless/lrf")
         run("udevadm", "settle", "--timeout=10")

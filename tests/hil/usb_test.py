@@ -2,10 +2,11 @@
 
 import glob
 import os
+import re
 import termios
 import tty
 
-from support import DaemonTest
+from support import DaemonTest, program, run
 
 TTY = "/dev/ttyACM0"
 USB_ADDRESS = "usb://15d1:0000/H0000001"
@@ -76,3 +77,14 @@ class UsbTest(DaemonTest):
         daemon.terminate()
         self.assertEqual(daemon.wait(timeout=20), 0)
         self.wait_until(lambda: os.path.exists(TTY), 5, TTY)
+
+    def test_probe_finds_the_laser_and_prints_a_configuration_that_works(self):
+        self.plug_in()
+        self.wait_until(lambda: os.path.exists(TTY), 10, TTY)
+        outcome = run(*program("odoless", "probe"))
+        self.assertEqual(outcome.returncode, 0, outcome.stderr)
+        self.assertIn("682 beams", outcome.stdout)
+        self.assertIn(USB_ADDRESS, outcome.stdout)
+        self.assertIn("# CAN interface vcan0", outcome.stdout)
+        self.start_daemon(re.search(r'(?m)^device = .*$', outcome.stdout)[0])
+        self.wait_for_scans(5, 30)
