@@ -19,11 +19,13 @@ std::string number(std::uint32_t value) {
   return bytes;
 }
 
-/// USBIP_CMD_SUBMIT, as Documentation/usb/usbip_protocol.rst of Linux has it.
+const std::string kNoSetup(8, '\0');
+
+/// USBIP_CMD_SUBMIT, as Documentation/usb/usbip_protocol.rst of Linux has it. @param rest  Set-up and data.
 std::string submit(std::uint32_t sequence, bool in, std::uint32_t endpoint, std::uint32_t size_bytes,
-                   const std::string& setup = std::string(8, '\0'), const std::string& data = {}) {
+                   const std::string& rest = kNoSetup) {
   return number(1) + number(sequence) + number(0x10002) + number(in ? 1 : 0) + number(endpoint) + number(0) +
-         number(size_bytes) + number(0) + number(0) + number(0) + setup + data;
+         number(size_bytes) + number(0) + number(0) + number(0) + rest;
 }
 
 std::string unlink(std::uint32_t sequence, std::uint32_t victim) {
@@ -62,7 +64,7 @@ TEST(UsbCdcDevice, CarriesBytesBothWaysOnceItIsOpen) {
   device.receive(submit(1, false, 0, 0, kOpen));
   EXPECT_TRUE(device.is_open());
   static_cast<void>(device.take_output());
-  device.receive(submit(2, true, 2, 4) + submit(3, false, 2, 3, std::string(8, '\0'), "QT\n"));
+  device.receive(submit(2, true, 2, 4) + submit(3, false, 2, 3, kNoSetup + "QT\n"));
   EXPECT_EQ(device.take_received(), "QT\n");
   EXPECT_EQ(device.take_output(), reply(3, 0, 3, ""));
   EXPECT_EQ(device.send("00P\n\n"), 5U);
@@ -92,7 +94,7 @@ TEST(UsbCdcDevice, HasNoEndlessMemoryForAHostThatDoesNotRead) {
 
 RC_GTEST_PROP(UsbCdcDevice, AnySplitGivesTheSame, ()) {
   const std::string all = submit(1, true, 0, 18, kGetDevice) + submit(2, false, 0, 0, kOpen) + submit(3, true, 2, 64) +
-                          submit(4, false, 2, 3, std::string(8, '\0'), "VV\n") + unlink(5, 3);
+                          submit(4, false, 2, 3, kNoSetup + "VV\n") + unlink(5, 3);
   UsbCdcDevice whole({});
   whole.receive(all);
   UsbCdcDevice split({});
