@@ -43,7 +43,7 @@ class GpioLine {
   [[nodiscard]] int descriptor() const;
   /// Of an input: the oldest edge that waits, or none. The kernel keeps 16 and drops the newest beyond (libgpiod 1.6),
   /// or the oldest (2.x). Errors: Errc::kDeviceMissing, the chip is gone.
-  [[nodiscard]] Result<std::optional<GpioEdge>> read_edge();
+  [[nodiscard]] Result<std::optional<GpioEdge>> read_edge() const;
   /// Whether it is high now. Errors: Errc::kDeviceMissing.
   [[nodiscard]] Result<bool> level() const;
   /// Of an output. Errors: Errc::kDeviceMissing.

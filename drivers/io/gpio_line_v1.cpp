@@ -89,7 +89,7 @@ Result<GpioLine> GpioLine::open_output(const std::string& name, bool high) {
 
 int GpioLine::descriptor() const { return gpiod_line_event_get_fd(handle_->line); }
 
-Result<std::optional<GpioEdge>> GpioLine::read_edge() {
+Result<std::optional<GpioEdge>> GpioLine::read_edge() const {
   gpiod_line_event event{};
   if (gpiod_line_event_read_fd(descriptor(), &event) != 0) {
     if (errno == EAGAIN || errno == EINTR) {

@@ -124,7 +124,7 @@ Result<GpioLine> GpioLine::open_output(const std::string& name, bool high) {
 
 int GpioLine::descriptor() const { return gpiod_line_request_get_fd(handle_->request.get()); }
 
-Result<std::optional<GpioEdge>> GpioLine::read_edge() {
+Result<std::optional<GpioEdge>> GpioLine::read_edge() const {
   const int count = gpiod_line_request_read_edge_events(handle_->request.get(), handle_->edge.get(), 1);
   if (count <= 0) {
     if (count == 0 || errno == EAGAIN || errno == EINTR) {

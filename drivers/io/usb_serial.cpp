@@ -238,7 +238,7 @@ void UsbSerial::wait(bool for_line) {
   constexpr std::size_t kMost = 8;
   std::array<pollfd, kMost> ready{};
   std::size_t count = 0;
-  ready[count++] = {.fd = pump_.get(), .events = static_cast<short>(for_line ? POLLIN : 0), .revents = 0};
+  ready[count++] = {.fd = pump_.get(), .events = static_cast<std::int16_t>(for_line ? POLLIN : 0), .revents = 0};
   if (const libusb_pollfd** const descriptors = libusb_get_pollfds(context_); descriptors != nullptr) {
     for (const libusb_pollfd** next = descriptors; *next != nullptr && count < kMost; ++next) {
       ready[count++] = {.fd = (*next)->fd, .events = (*next)->events, .revents = 0};

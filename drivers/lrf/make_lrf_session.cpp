@@ -5,16 +5,16 @@
 
 namespace odoless {
 
-std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& configured, int beams_max) {
-  ODOLESS_CHECK(parameters_in_range(configured));
-  LrfParams params = configured;
+std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_max) {
+  ODOLESS_CHECK(parameters_in_range(params));
+  LrfParams fitting = params;
   if (const auto address = parse_device_address(params.device);
       address.ok() && !std::holds_alternative<SerialAddress>(address.value())) {
-    params.baud = 0;  // the line has no rate, so the device isn't to be told one
+    fitting.baud = 0;  // the line has no rate, so the device isn't to be told one
   }
-  switch (params.driver) {
+  switch (fitting.driver) {
     case LrfDriver::kScip:
-      return std::make_unique<ScipSession>(params, beams_max);
+      return std::make_unique<ScipSession>(fitting, beams_max);
     case LrfDriver::kLcm:
       break;
   }
