@@ -77,6 +77,10 @@ class LrfKeeper {
  public:
   /// @param priority  Of the thread that a laser on USB needs besides.
   LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor, int priority);
+  LrfKeeper(const LrfKeeper&) = delete;
+  LrfKeeper& operator=(const LrfKeeper&) = delete;
+  LrfKeeper(LrfKeeper&&) = delete;
+  LrfKeeper& operator=(LrfKeeper&&) = delete;
   ~LrfKeeper();
 
   /// Does what is due. @return kOk while the line is open or nothing was tried, else why it could not be opened.

@@ -159,6 +159,26 @@ class DaemonTest(unittest.TestCase):
         laser.send_signal(signal.SIGCONT)
         self.wait_until(lambda: self.state() == "OK", 10)
 
+    def test_comes_through_every_fault_of_its_laser(self):
+        faults = ("garbage@2:1", "wrong-sum@4:1", "truncate@6:1", "reboot@8", "silence@11:1", "stuck@14:1", "one-byte@16:1")
+        arguments = [word for fault in faults for word in ("--fault", fault)]
+        self.start_laser("--start-delay-s", "60", *arguments)  # the robot stands: only the laser misbehaves
+        daemon = self.start_daemon("--enforce-realtime")
+        self.wait_until(lambda: self.state() == "OK", 10)
+        time.sleep(18)
+        self.wait_until(lambda: self.state() == "OK" or "refused" in self.state(), 10)
+        daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+        summary = self.summary()
+        for reason in ("no scans", "scans are refused", "the same scan again and again"):
+            self.assertIn(reason, summary["latched_reasons"])
+        self.assertGreater(summary["scans_rejected"], 50)
+        self.assertGreater(summary["scans"], 400)
+        with open(self.path("out/trajectory_online.tum"), encoding="utf-8") as file:
+            for line in file:
+                x_m, y_m = map(float, line.split()[1:3])
+                self.assertLess(x_m**2 + y_m**2, 0.05**2, line)  # it never believed what was not so
+
     def test_obeys_commands(self):
         self.start_laser()
         daemon = self.start_daemon()
