@@ -37,16 +37,16 @@ class DaemonTest(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def write_config(self, name, more=""):
+    def write_config(self, name, more="", device=None):
         with open(self.path(name), "w", encoding="utf-8") as file:
             file.write(
-                f'[lrf]\ndevice = "{self.path("laser")}"\n[lcm]\nurl = ""\n'
+                f'[lrf]\ndevice = "{device or self.path("laser")}"\n[lcm]\nurl = ""\n'
                 f'[control]\nsocket = "{self.path("control")}"\n{more}'
             )
         return self.path(name)
 
-    def start(self, *command):
-        process = subprocess.Popen(program(*command), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    def start(self, *command, stdout=subprocess.DEVNULL):
+        process = subprocess.Popen(program(*command), stdout=stdout, stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end, process)
         return process
 
@@ -129,6 +129,23 @@ class DaemonTest(unittest.TestCase):
         self.start_laser()
         self.assertLess(self.wait_until(lambda: not self.state().startswith("FAULT"), 10), 1.0)
         self.wait_until(lambda: self.state() == "OK" or "refused" in self.state(), 10)
+
+    def test_reads_a_laser_on_a_network_and_has_it_back_after_it_was_gone(self):
+        laser = self.start("odoless", "emulate", "lrf", "--from", WORLD, "--tcp", 0, stdout=subprocess.PIPE)
+        address = laser.stdout.readline().split()[-1]
+        self.config = self.write_config("tcp.toml", device=address)
+        self.start_daemon("--enforce-realtime")
+        self.wait_until(lambda: self.state() == "OK", 10)
+        laser.kill()
+        laser.wait()
+        self.wait_until(lambda: "opened" in self.state(), 1)
+        self.start("odoless", "emulate", "lrf", "--from", WORLD, "--tcp", address.split(":")[-1])
+        self.assertLess(self.wait_until(lambda: "opened" not in self.state() and "no scans" not in self.state(), 10), 2.0)
+
+    def test_refuses_an_address_that_makes_no_sense(self):
+        outcome = run("odolessd", "--config", self.write_config("name.toml", device="tcp://laser:10940"))
+        self.assertEqual(outcome.returncode, EX_CONFIG)
+        self.assertIn("lrf.device", outcome.stderr)
 
     def test_flags_a_laser_that_falls_silent_within_two_periods(self):
         laser = self.start_laser()  # its line stays open: only the time tells

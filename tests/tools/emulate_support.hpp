@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/io/serial_port.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
 #include "tools/emulate/lrf_models.hpp"
 #include "tools/emulate/scip_device.hpp"

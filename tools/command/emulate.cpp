@@ -14,6 +14,9 @@
 #include "tools/emulate/log_source.hpp"
 #include "tools/emulate/lrf_emulator.hpp"
 #include "tools/emulate/lrf_models.hpp"
+#include "tools/emulate/pseudo_terminal.hpp"
+#include "tools/emulate/tcp_server_line.hpp"
+#include "tools/emulate/usbip_line.hpp"
 #include "tools/emulate/world_source.hpp"
 #include "tools/sim/world_file.hpp"
 
@@ -23,6 +26,9 @@ namespace {
 struct EmulateLrfOptions {
   std::string from;
   std::string pty;
+  int tcp_port = -1;  ///< -1: not on a network
+  bool usbip = false;
+  UsbIdentity usb;
   std::string model = "utm-30lx";
   std::string truth;
   double rate_ratio = 1.0;
@@ -74,19 +80,29 @@ void say(const std::string& line) {
   static_cast<void>(std::fflush(stdout));  // a script waits for it
 }
 
+std::unique_ptr<EmulatedLine> make_line(const EmulateLrfOptions& options) {
+  if (options.usbip) {
+    return std::make_unique<UsbipLine>(options.usb);
+  }
+  if (options.tcp_port >= 0) {
+    return std::make_unique<TcpServerLine>(static_cast<std::uint16_t>(options.tcp_port));
+  }
+  return std::make_unique<PseudoTerminal>(options.pty);
+}
+
 void run(const EmulateLrfOptions& options) {
   const EmulatedLrfModel model = model_of(options.model);
   const EmulatedLrfOptions device_settings = device_options(options);
   const std::unique_ptr<ScanSource> source = make_source(options, model);
-  const PseudoTerminal line(options.pty);
+  const std::unique_ptr<EmulatedLine> line = make_line(options);
   const std::unique_ptr<EmulatedLrf> device =
       make_emulated_lrf(options.model, *source, device_settings, monotonic_ns());
-  say(fmt::format("{}: {} on {}", options.pty, model.product, line.path()));
+  say(fmt::format("{} on {}", model.product, line->path()));
   LrfEmulatorOptions loop{.truth = options.truth, .stops_at_end = options.stop_at_end};
   if (options.duration_s > 0.0) {
     loop.duration_ns = std::llround(options.duration_s * 1e9);
   }
-  const LrfEmulation done = emulate_lrf(*device, *source, line, loop, [] { say("path done"); });
+  const LrfEmulation done = emulate_lrf(*device, *source, *line, loop, [] { say("path done"); });
   say(fmt::format("{} scans sent, {} dropped", done.scans, done.dropped));
 }
 
@@ -96,6 +112,16 @@ std::vector<std::string> model_names() {
     names.push_back(model.name);
   }
   return names;
+}
+
+void add_line_options(CLI::App& command, EmulateLrfOptions& options) {
+  CLI::Option_group* const line = command.add_option_group("line", "What the laser is on");
+  line->add_option("--pty", options.pty, "A pseudo-terminal: link to make to the line's end for the client");
+  line->add_option("--tcp", options.tcp_port, "A network: port of 127.0.0.1 to listen on; 0: any that is free")
+      ->check(CLI::Range(0, 65535));
+  line->add_flag("--usbip", options.usbip, "USB of this machine, by the kernel's vhci_hcd (needs root)");
+  line->require_option(1);
+  command.add_option("--usb-serial", options.usb.serial, "Serial number for --usbip")->capture_default_str();
 }
 
 void add_time_options(CLI::App& command, EmulateLrfOptions& options) {
@@ -115,10 +141,10 @@ void add_time_options(CLI::App& command, EmulateLrfOptions& options) {
 void add_lrf(CLI::App& emulate) {
   auto options = std::make_shared<EmulateLrfOptions>();
   CLI::App* const command = emulate.add_subcommand(
-      "lrf", "A laser range finder (Hokuyo, SICK, RPLIDAR) on a pseudo-terminal, until it is stopped");
+      "lrf", "A laser range finder (Hokuyo, SICK, RPLIDAR) on a line of your choice, until it is stopped");
   command->add_option("--from", options->from, "World file (*.world), or a log of any kind that replay reads")
       ->required();
-  command->add_option("--pty", options->pty, "Link to make to the line's end for the client")->required();
+  add_line_options(*command, *options);
   command->add_option("--model", options->model, "Laser to be")
       ->check(CLI::IsMember(model_names()))
       ->capture_default_str();
