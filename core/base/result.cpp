@@ -79,7 +79,7 @@ const char* describe(Errc error) {
     case Errc::kLinkDown:
       return "the network interface is down";
     case Errc::kNotCan:
-      return "the network interface is no CAN interface";
+      return "the network interface is no CAN interface, or the system has no CAN";
   }
   return "unknown error";
 }

@@ -49,7 +49,7 @@ enum class Errc {
   kHomingFailed,      ///< an axis doesn't find its zero
   kBusOff,            ///< the controller has left the bus because of too many errors
   kLinkDown,          ///< the network interface is down
-  kNotCan,            ///< the network interface is no CAN interface
+  kNotCan,            ///< the network interface is no CAN interface, or the system has no CAN
 };
 
 /// One sentence for a person.
