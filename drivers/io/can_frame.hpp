@@ -41,7 +41,7 @@ static_assert(sizeof(CanFrame) == 16);
 }
 
 /// The frame of these bytes; nothing where they are not exactly one.
-[[nodiscard]] inline std::optional<CanFrame> can_frame(std::span<const std::byte> bytes) {
+[[nodiscard]] inline std::optional<CanFrame> to_can_frame(std::span<const std::byte> bytes) {
   CanFrame frame;
   if (bytes.size() != sizeof(frame)) {
     return std::nullopt;

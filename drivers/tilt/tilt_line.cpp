@@ -65,7 +65,7 @@ Result<TiltRead> read_tilt_line(TiltDriver driver, int descriptor, std::span<std
 
 Errc write_tilt_line(TiltDriver driver, int descriptor, std::span<const std::byte> frame) {
   if (driver == TiltDriver::kCia402) {
-    const std::optional<CanFrame> can = can_frame(frame);
+    const std::optional<CanFrame> can = to_can_frame(frame);
     return can ? write_can(descriptor, *can) : Errc::kFrameMalformed;
   }
   const ssize_t size = ::write(descriptor, frame.data(), frame.size());

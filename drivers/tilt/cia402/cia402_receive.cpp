@@ -17,7 +17,7 @@ constexpr int kVelocityBytes = 4;
 }  // namespace
 
 void Cia402Session::receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, TiltSink& sink) {
-  const std::optional<CanFrame> frame = can_frame(bytes);
+  const std::optional<CanFrame> frame = to_can_frame(bytes);
   if (!frame) {
     reject(Errc::kFrameMalformed, sink);
     return;
