@@ -93,6 +93,7 @@ class Cia402Session final : public TiltSession {
   std::int64_t enabled_since_ns_ = 0;
   std::int64_t last_emergency_ns_ = 0;
 
+  std::int64_t last_tick_ns_ = 0;
   std::int64_t next_sync_ns_ = 0;
   std::int64_t sync_ns_ = 0;  ///< of the last one
   std::int64_t next_heartbeat_ns_ = 0;

@@ -109,7 +109,7 @@ void DynamixelSession::on_health(const Packet& packet, std::int64_t now_ns, Tilt
     tell_device_error(hardware_error, sink);
     give_up(Errc::kDeviceStatus, fault_pause_ns_, now_ns, sink);
     fault_pause_ns_ = std::min(2 * fault_pause_ns_, kFaultPauseMaxNs);
-    reboot_is_due_ = true;
+    has_error_ = reboot_is_due_ = true;
   } else if (step_ == Step::kCheckHealth) {
     enter(Step::kReadSettings, now_ns);
   } else if (!has_torque) {
@@ -156,7 +156,7 @@ void DynamixelSession::on_motion(const Packet& packet, std::int64_t arrival_ns, 
   motion_.on_angle(sample);
   if (!ready_) {
     ready_ = true;
-    silence_told_ = false;
+    silence_told_ = has_error_ = false;
     sink.on_event({.type = TiltEventType::kReady});
   }
   sink.on_angle(sample);

@@ -289,7 +289,7 @@ std::int64_t DynamixelSession::next_deadline_ns() const {
 }
 
 TiltState DynamixelSession::state() const {
-  if (in_fault_ || step_ == Step::kReboot || reboot_is_due_) {
+  if (in_fault_ || has_error_) {
     return TiltState::kFault;
   }
   return ready_ ? motion_.state() : TiltState::kBringUp;

@@ -98,6 +98,7 @@ class DynamixelSession final : public TiltSession {
   bool was_reset_ = false;
   bool silence_told_ = false;
   bool ready_ = false;
+  bool has_error_ = false;  ///< told one since it obeyed last
   bool reboot_is_due_ = false;
   bool health_is_due_ = false;
   bool in_fault_ = false;
