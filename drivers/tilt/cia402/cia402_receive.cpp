@@ -70,6 +70,7 @@ void Cia402Session::on_emergency(const CanFrame& frame, std::int64_t now_ns, Til
     reject(emergency.error(), sink);
   } else if (emergency.value().code != 0) {
     last_emergency_ns_ = now_ns;
+    drive_.forget_target();
     tell_device_error(emergency.value().code, sink);
   }
 }

@@ -272,6 +272,7 @@ void Cia402Session::advance(std::int64_t now_ns, TiltSink& sink) {
 void Cia402Session::tick(std::int64_t now_ns, TiltSink& sink) {
   if (now_ns - last_tick_ns_ > silence_max_ns()) {  // held up: what was seen of the motion before is history
     motion_.start(now_ns);
+    drive_.forget_target();
     gate_.restart();
   }
   last_tick_ns_ = now_ns;

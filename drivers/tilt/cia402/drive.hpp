@@ -36,6 +36,8 @@ class Drive {
   void restart() { *this = Drive(); }
 
   void on_status(const DriveStatus& status);
+  /// The drive may have been stopped unseen: it is shown its target once more.
+  void forget_target() { accepted_counts_.reset(); }
   /// Once per cycle. `target_counts` counts for kMove alone.
   [[nodiscard]] Output next(Goal goal, std::int32_t target_counts);
 

@@ -140,7 +140,7 @@ TEST(DynamixelPacket, OneDamagedByteCostsAtMostOnePacket) {
       expect_one_lost(flipped, at, "flipped");
     }
     // Not all values: 16 bits of check sum let one of 65536 through that shift the rest.
-    for (const std::uint8_t value : {0x00, 0x01, 0x55, 0xFD, 0xFF}) {
+    for (const std::uint8_t value : Bytes{0x00, 0x01, 0x55, 0xFD, 0xFF}) {
       Bytes inserted = stream.bytes;
       inserted.insert(inserted.begin() + static_cast<std::ptrdiff_t>(at), value);
       expect_one_lost(inserted, at, "inserted");
