@@ -64,25 +64,21 @@ bool set_options(int socket, std::span<const CanFilter> filters) {
          set_option(socket, SOL_SOCKET, SO_TIMESTAMPNS, int{1});
 }
 
-std::int64_t now_ns(clockid_t clock) {
-  timespec now{};
-  static_cast<void>(clock_gettime(clock, &now));
-  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
-}
-
 /// The kernel's stamp is on the wall clock; how long ago it was holds on every clock, unless that was set meanwhile.
-std::int64_t monotonic_stamp_ns(const msghdr& message) {
-  const std::int64_t monotonic_ns = now_ns(CLOCK_MONOTONIC);
+std::int64_t age_ns(const msghdr& message) {
   for (const cmsghdr* header = CMSG_FIRSTHDR(&message); header != nullptr;
        header = CMSG_NXTHDR(const_cast<msghdr*>(&message), const_cast<cmsghdr*>(header))) {
     if (header->cmsg_level == SOL_SOCKET && header->cmsg_type == SCM_TIMESTAMPNS) {
       timespec stamp{};
       std::memcpy(&stamp, CMSG_DATA(header), sizeof(stamp));
-      const std::int64_t age_ns = now_ns(CLOCK_REALTIME) - (stamp.tv_sec * std::int64_t{1'000'000'000} + stamp.tv_nsec);
-      return age_ns >= 0 && age_ns <= kStampAgeMaxNs ? monotonic_ns - age_ns : monotonic_ns;
+      timespec now{};
+      static_cast<void>(clock_gettime(CLOCK_REALTIME, &now));
+      const std::int64_t age =
+          (now.tv_sec - stamp.tv_sec) * std::int64_t{1'000'000'000} + (now.tv_nsec - stamp.tv_nsec);
+      return age >= 0 && age <= kStampAgeMaxNs ? age : 0;
     }
   }
-  return monotonic_ns;
+  return 0;
 }
 
 }  // namespace
@@ -116,7 +112,7 @@ Result<FileDescriptor> open_can(const std::string& interface, std::span<const Ca
   return can;
 }
 
-Errc read_can(int socket, CanReceived& received) {
+Errc read_can(int socket, std::int64_t now_ns, CanReceived& received) {
   alignas(cmsghdr) std::array<char, 128> control{};
   iovec part{.iov_base = &received.frame, .iov_len = sizeof(received.frame)};
   msghdr message{};
@@ -128,7 +124,7 @@ Errc read_can(int socket, CanReceived& received) {
   if (size < 0) {
     return error_of(errno);
   }
-  received.stamp_ns = monotonic_stamp_ns(message);
+  received.stamp_ns = now_ns - age_ns(message);
   return size == sizeof(received.frame) ? Errc::kOk : Errc::kDeviceFailed;
 }
 

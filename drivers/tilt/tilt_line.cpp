@@ -46,7 +46,7 @@ Result<FileDescriptor> open_tilt_line(const TiltParams& params) {
 Result<TiltRead> read_tilt_line(TiltDriver driver, int descriptor, std::span<std::byte> buffer, std::int64_t now_ns) {
   if (driver == TiltDriver::kCia402) {
     CanReceived received;
-    if (const Errc error = read_can(descriptor, received); error != Errc::kOk) {
+    if (const Errc error = read_can(descriptor, now_ns, received); error != Errc::kOk) {
       return error;
     }
     ODOLESS_CHECK(buffer.size() >= sizeof(CanFrame));

@@ -7,6 +7,7 @@
 #include "firmware/pipeline/pipeline.hpp"
 #include "firmware/publisher/publisher.hpp"
 #include "firmware/sources/lrf_source.hpp"
+#include "firmware/sources/tilt_source.hpp"
 #include "firmware/stages/filter_stage.hpp"
 #include "firmware/stages/matcher_stage.hpp"
 #include "firmware/threads/filter_intake.hpp"
@@ -45,6 +46,9 @@ class Machine {
   [[nodiscard]] Publisher& publisher() { return publisher_; }
   [[nodiscard]] LineHandover& line() { return line_; }
   [[nodiscard]] bool reads_laser() const { return reads_laser_; }
+  [[nodiscard]] LineHandover& tilt_line() { return tilt_line_; }
+  /// Null: there is none.
+  [[nodiscard]] TiltSource* tilt() { return tilt_.get(); }
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:
@@ -55,8 +59,10 @@ class Machine {
   StageSet stages_;
   Pipeline pipeline_;
   LineHandover line_;
+  LineHandover tilt_line_;
   bool reads_laser_ = false;
   std::unique_ptr<ScanSource> source_;
+  std::unique_ptr<TiltSource> tilt_;
   std::unique_ptr<Intake> intake_;
   std::unique_ptr<MatcherStage> matcher_;
   std::unique_ptr<FilterStage> filter_;

@@ -34,9 +34,18 @@ struct StageReport {
   std::int64_t allocations = -1;
 };
 
+/// How the tilt servo is.
+struct TiltReport {
+  bool used = false;
+  bool obeys = true;  ///< it is there, without fault, and does what it was told
+  bool level = true;  ///< the laser's plane is
+  std::int64_t stalls = 0;
+};
+
 struct SensorReport {
   StageReport stage;
   SourceHealth source;
+  TiltReport tilt;
   std::int64_t last_scan_ns = 0;  ///< host time at which the last good scan was complete; 0: none yet
   std::int64_t period_ns = 0;     ///< between scans, smoothed; 0: not known
   bool open = false;              ///< whether the device is

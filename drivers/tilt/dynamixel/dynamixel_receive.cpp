@@ -10,6 +10,7 @@ using dynamixel::Packet;
 using dynamixel::PacketReader;
 
 constexpr std::int64_t kRebootNs = 600'000'000;
+constexpr std::int64_t kMomentNs = 1'000'000;
 constexpr std::int64_t kPauseNs = 100'000'000;
 constexpr std::int64_t kFaultPauseMaxNs = 2'000'000'000;
 constexpr std::int64_t kTickSlackMs = 500;
@@ -128,7 +129,7 @@ void DynamixelSession::on_motion(const Packet& packet, std::int64_t arrival_ns, 
         (static_cast<std::int64_t>(tick_ms) - *tick_ms_ + dynamixel::kTickWrapMs) % dynamixel::kTickWrapMs;
     const std::int64_t off_ms = std::abs(wrapped_ms - host_ms);
     if (std::min(off_ms, dynamixel::kTickWrapMs - off_ms) > kTickSlackMs) {
-      give_up(Errc::kDeviceRestarted, 0, arrival_ns, sink);
+      give_up(Errc::kDeviceRestarted, kMomentNs, arrival_ns, sink);
       return;
     }
   }

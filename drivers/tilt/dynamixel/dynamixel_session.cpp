@@ -11,6 +11,7 @@ namespace {
 using dynamixel::Instruction;
 
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kMomentNs = 1'000'000;
 constexpr std::int64_t kPauseNs = 100'000'000;
 constexpr std::int64_t kFaultPauseMaxNs = 2'000'000'000;
 constexpr int kTries = 3;
@@ -237,7 +238,7 @@ void DynamixelSession::on_timeout(std::int64_t now_ns, TiltSink& sink) {
 void DynamixelSession::watch(std::int64_t now_ns, TiltSink& sink) {
   const bool was_deaf = now_ns - asked_ns_ > watchdog_units(params_) * kWatchdogUnitNs;
   if (was_deaf) {
-    give_up(Errc::kDeviceSilent, 0, now_ns, sink);
+    give_up(Errc::kDeviceSilent, kMomentNs, now_ns, sink);
     return;
   }
   if (in_fault_ && now_ns >= fault_end_ns_) {
