@@ -18,8 +18,6 @@ struct CanFrame {
   static constexpr std::uint32_t kErrorMask = 0x1FFFFFFFU;
 
   // Classes of an error frame (linux/can/error.h), in its id.
-  static constexpr std::uint32_t kErrorTxTimeout = 0x001U;
-  static constexpr std::uint32_t kErrorController = 0x004U;
   static constexpr std::uint32_t kErrorBusOff = 0x040U;
   static constexpr std::uint32_t kErrorRestarted = 0x100U;
 

@@ -180,9 +180,10 @@ void DynamixelDevice::on_written(std::uint16_t first, std::uint16_t count) {
   }
   if (has(dynamixel::kGoalPosition) && has_torque() &&
       table_[dynamixel::kOperatingMode] == dynamixel::kPositionControl) {
-    const double slope = get(dynamixel::kProfile, 4) * dynamixel::kAccelerationUnitRadps2 * kCountsPerRad;
-    const double speed = get(dynamixel::kProfile + 4, 4) * dynamixel::kSpeedUnitRadps * kCountsPerRad;
-    motor_.set_profile(speed == 0.0 ? kFastCounts : speed, slope == 0.0 ? kFastSlope : slope);
+    const double slope_counts_per_s2 = get(dynamixel::kProfile, 4) * dynamixel::kAccelerationUnitRadps2 * kCountsPerRad;
+    const double speed_counts_per_s = get(dynamixel::kProfile + 4, 4) * dynamixel::kSpeedUnitRadps * kCountsPerRad;
+    motor_.set_profile(speed_counts_per_s == 0.0 ? kFastCounts : speed_counts_per_s,
+                       slope_counts_per_s2 == 0.0 ? kFastSlope : slope_counts_per_s2);
     motor_.go_to(static_cast<std::int32_t>(get(dynamixel::kGoalPosition, 4)));
   }
 }
@@ -250,10 +251,10 @@ std::vector<ServoFrame> DynamixelDevice::take_output() { return std::exchange(ou
 
 void DynamixelDevice::refresh() {
   const auto tick_ms = static_cast<std::int64_t>(now_s_ * 1000.0) % dynamixel::kTickWrapMs;
-  const double speed = velocity_radps() / dynamixel::kSpeedUnitRadps;
+  const double speed_units = velocity_radps() / dynamixel::kSpeedUnitRadps;
   set(dynamixel::kRealtimeTick, static_cast<std::uint32_t>(tick_ms), 2);
   set(dynamixel::kRealtimeTick + 2, motor_.is_there() ? 0 : 1, 1);
-  set(dynamixel::kPresentVelocity, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(speed))), 4);
+  set(dynamixel::kPresentVelocity, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(speed_units))), 4);
   set(dynamixel::kPresentPosition,
       static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(motor_.position_counts()))), 4);
 }

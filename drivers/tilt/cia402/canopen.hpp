@@ -53,7 +53,7 @@ struct Emergency {
   std::uint8_t error_register = 0;
 };
 
-inline constexpr std::uint32_t kAbortTimeout = 0x05040000U;
+inline constexpr std::uint32_t kAbortTimedOut = 0x05040000U;
 
 [[nodiscard]] CanFrame nmt(NmtCommand command, int node);
 [[nodiscard]] CanFrame sync();
