@@ -22,7 +22,11 @@ class CanTest(DaemonTest):
         return self.start(*program("odoless", "emulate", "servo", "--cia402", "--can", "vcan0", *more))
 
     def start_tilting(self, more=""):
-        self.start_daemon(LASER, f'[tilt]\ndriver = "cia402"\ndevice = "vcan0"\n{more}')
+        self.start_daemon(LASER, f'[tilt]\ndriver = "cia402"\ndevice = "vcan0"\nsample_period_ms = 20.0\n{more}')
+
+    def report(self):
+        self.log.seek(0)
+        return self.log.read()
 
     def obeys(self):
         state = self.status().partition("\n")[0]
@@ -38,7 +42,7 @@ class CanTest(DaemonTest):
         self.start_servo()
         self.start_tilting('at_start = "sweep"\n')
         self.wait_until_it_obeys(20)
-        time.sleep(5)
+        time.sleep(8)
         dump.send_signal(signal.SIGTERM)
         dump.wait()
         with open(self.path("bus.log"), encoding="ascii") as file:
@@ -68,8 +72,8 @@ class CanTest(DaemonTest):
         self.assertIn("77F#05", frames)
         position = [int.from_bytes(bytes.fromhex(frame[8:16]), "little", signed=True)
                     for frame in frames if frame.startswith("181#")]
-        self.assertGreater(max(position), 4500)  # 25 deg of 65536 per turn
-        self.assertLess(min(position), -4500)
+        self.assertGreater(max(position), 5000, self.report())  # 27 deg of 65536 per turn
+        self.assertLess(min(position), -5000, self.report())
 
     def test_a_link_that_goes_down_and_up_is_used_again_within_a_second(self):
         self.start_servo()

@@ -112,7 +112,7 @@ void Cia402Session::on_status(const CanFrame& frame, std::int64_t arrival_ns, Ti
     reject(Errc::kFrameMalformed, sink);
     return;
   }
-  heard_status_ns_ = arrival_ns;
+  unanswered_syncs_ = 0;
   drive_.on_status({.status_word = status_word, .mode = static_cast<std::int8_t>(frame.data[6])});
   if (phase_ == Phase::kStart) {
     enter(params_.homing_method != 0 && !homed_ ? Phase::kHomingMode : Phase::kRun, arrival_ns);

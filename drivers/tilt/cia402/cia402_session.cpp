@@ -19,6 +19,8 @@ constexpr std::int64_t kStartNs = 500'000'000;       ///< from the start command
 constexpr std::int64_t kSwitchOnNs = 2'000'000'000;  ///< brakes may take half a second
 constexpr std::int64_t kFaultResetNs = 500'000'000;  ///< for the drive to get rid of a fault
 constexpr std::int64_t kStallPauseNs = 2'000'000'000;
+constexpr std::int64_t kHeldUpNs = 50'000'000;
+constexpr int kUnansweredMax = 10;  ///< SYNCs, and not a time: this process may be held up as well
 constexpr int kFailuresBeforeReset = 3;
 
 /// Pushed by hand, it may be faster than it drives.
@@ -92,7 +94,7 @@ void Cia402Session::enter(Phase phase, std::int64_t now_ns) {
     case Phase::kStart:
       send(canopen::nmt(NmtCommand::kStart, params_.id));
       next_sync_ns_ = now_ns;
-      heard_heartbeat_ns_ = heard_status_ns_ = now_ns;
+      heard_heartbeat_ns_ = now_ns;
       break;
     case Phase::kHomingMode:
       sdo_.write(cia402::kModeOfOperation, cia402::kHoming, 1, now_ns);
@@ -230,11 +232,8 @@ void Cia402Session::cycle(std::int64_t now_ns, TiltSink& sink) {
   send(command);
   send(canopen::sync());
   sync_ns_ = now_ns;
+  ++unanswered_syncs_;
   next_sync_ns_ = std::max(next_sync_ns_ + params_.sample_period_ns, now_ns + params_.sample_period_ns / 2);
-}
-
-std::int64_t Cia402Session::silence_max_ns() const {
-  return std::max<std::int64_t>(5 * params_.sample_period_ns, 50'000'000);
 }
 
 void Cia402Session::watch(std::int64_t now_ns, TiltSink& sink) {
@@ -242,7 +241,7 @@ void Cia402Session::watch(std::int64_t now_ns, TiltSink& sink) {
     return;
   }
   const bool silent = now_ns - heard_heartbeat_ns_ >= 3 * params_.heartbeat_period_ns;
-  const bool no_status = phase_ != Phase::kStart && now_ns - heard_status_ns_ >= silence_max_ns();
+  const bool no_status = phase_ != Phase::kStart && unanswered_syncs_ >= kUnansweredMax;
   if (silent || no_status) {
     give_up(Errc::kDeviceSilent, now_ns, sink);
   } else if (phase_ == Phase::kRun && motion_.command() != TiltCommand::kStop && !in_fault_ && !drive_.enabled() &&
@@ -270,7 +269,8 @@ void Cia402Session::advance(std::int64_t now_ns, TiltSink& sink) {
 }
 
 void Cia402Session::tick(std::int64_t now_ns, TiltSink& sink) {
-  if (now_ns - last_tick_ns_ > silence_max_ns()) {  // held up: what was seen of the motion before is history
+  if (now_ns - last_tick_ns_ >
+      std::max(5 * params_.sample_period_ns, kHeldUpNs)) {  // held up: what was seen of the motion before is history
     motion_.start(now_ns);
     drive_.forget_target();
     gate_.restart();

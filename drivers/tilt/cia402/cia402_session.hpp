@@ -65,7 +65,6 @@ class Cia402Session final : public TiltSession {
   void advance(std::int64_t now_ns, TiltSink& sink);
   [[nodiscard]] bool is_cyclic() const { return phase_ >= Phase::kStart && phase_ != Phase::kPause; }
   [[nodiscard]] cia402::Drive::Goal goal() const;
-  [[nodiscard]] std::int64_t silence_max_ns() const;
 
   TiltParams params_;
   TiltScale scale_;
@@ -98,7 +97,7 @@ class Cia402Session final : public TiltSession {
   std::int64_t sync_ns_ = 0;  ///< of the last one
   std::int64_t next_heartbeat_ns_ = 0;
   std::int64_t heard_heartbeat_ns_ = 0;
-  std::int64_t heard_status_ns_ = 0;
+  int unanswered_syncs_ = 0;
   std::int64_t last_stamp_ns_ = 0;
   double velocity_radps_ = 0.0;
 
