@@ -160,6 +160,7 @@ DaemonResult Machine::result() {
     result.trajectory = result.online_trajectory;
   }
   result.health = publisher_.health();
+  result.cpu = publisher_.cpu();
   result.wall_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
   return result;
 }

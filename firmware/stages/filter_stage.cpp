@@ -53,7 +53,7 @@ FilterStep FilterStage::process(const OdometryStep& step) {
 FilterStep FilterStage::placed(FilterStep step) const {
   step.update_stamp_ns = update_stamp_ns_;
   step.update_T_scan = update_T_scan_;
-  step.map_T_scan = filter_.pose(filter_.best()) * update_T_scan_;
+  step.map_T_scan = filter_.estimate().map_T_scan * update_T_scan_;
   return step;
 }
 
