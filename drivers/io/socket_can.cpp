@@ -65,9 +65,8 @@ bool set_options(int socket, std::span<const CanFilter> filters) {
 }
 
 /// The kernel's stamp is on the wall clock; how long ago it was holds on every clock, unless that was set meanwhile.
-std::int64_t age_ns(const msghdr& message) {
-  for (const cmsghdr* header = CMSG_FIRSTHDR(&message); header != nullptr;
-       header = CMSG_NXTHDR(const_cast<msghdr*>(&message), const_cast<cmsghdr*>(header))) {
+std::int64_t age_ns(msghdr& message) {
+  for (cmsghdr* header = CMSG_FIRSTHDR(&message); header != nullptr; header = CMSG_NXTHDR(&message, header)) {
     if (header->cmsg_level == SOL_SOCKET && header->cmsg_type == SCM_TIMESTAMPNS) {
       timespec stamp{};
       std::memcpy(&stamp, CMSG_DATA(header), sizeof(stamp));
@@ -92,6 +91,7 @@ Result<FileDescriptor> open_can(const std::string& interface, std::span<const Ca
   if (interface.empty() || interface.size() >= sizeof(request.ifr_name)) {
     return Errc::kDeviceMissing;
   }
+  // NOLINTBEGIN(cppcoreguidelines-pro-type-union-access): the kernel's interface
   std::copy(interface.begin(), interface.end(), request.ifr_name);
   if (::ioctl(can.get(), SIOCGIFHWADDR, &request) != 0) {
     return error_of(errno);
@@ -105,6 +105,7 @@ Result<FileDescriptor> open_can(const std::string& interface, std::span<const Ca
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = request.ifr_ifindex;
+  // NOLINTEND(cppcoreguidelines-pro-type-union-access)
   const bool is_set = set_options(can.get(), filters);
   if (!is_set || ::bind(can.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     return error_of(errno);

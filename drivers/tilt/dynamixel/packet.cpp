@@ -29,6 +29,8 @@ void append(PacketBytes& packet, std::uint8_t byte) {
   packet.bytes[packet.size++] = byte;
 }
 
+std::size_t number_of(std::uint8_t low, std::uint8_t high) { return std::size_t{high} << 8U | low; }
+
 /// Whether the last three bytes are the header's first three.
 bool ends_like_header(std::span<const std::uint8_t> bytes) {
   return bytes.size() >= 3 && std::equal(bytes.end() - 3, bytes.end(), kHeader.begin());
@@ -116,7 +118,7 @@ PacketReader::Damage PacketReader::damage_at_front() {
   if (count_ < kBeforeInstruction) {
     return {};
   }
-  const std::size_t total = kBeforeInstruction + buffer_[5] + 256U * buffer_[6];
+  const std::size_t total = kBeforeInstruction + number_of(buffer_[5], buffer_[6]);
   if (total < kShortest || total > kPacketMaxBytes) {
     return {1, Errc::kFrameMalformed};
   }
@@ -129,10 +131,9 @@ PacketReader::Damage PacketReader::damage_at_front() {
 }
 
 bool PacketReader::decode() {
-  const std::size_t total = kBeforeInstruction + buffer_[5] + 256U * buffer_[6];
+  const std::size_t total = kBeforeInstruction + number_of(buffer_[5], buffer_[6]);
   const std::span<const std::uint8_t> all = std::span(buffer_).first(total);
-  const std::uint16_t told = static_cast<std::uint16_t>(all[total - 2] + 256U * all[total - 1]);
-  if (crc16(all.first(total - kCrcBytes)) != told) {
+  if (crc16(all.first(total - kCrcBytes)) != number_of(all[total - 2], all[total - 1])) {
     return false;
   }
   std::copy(all.begin(), all.end(), raw_.bytes.begin());
