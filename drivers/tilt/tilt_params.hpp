@@ -37,7 +37,7 @@ struct TiltParams {
   double sweep_from_rad = -0.5235987755982988;
   double sweep_to_rad = 0.5235987755982988;
   double speed_radps = 1.0471975511965976;
-  double acceleration_radps2 = 10.471975511965976;
+  double acceleration_radps2 = 10.471975511965978;
   double tolerance_rad = 0.008726646259971648;
   std::int64_t sample_period_ns = 10'000'000;
   std::int64_t heartbeat_period_ns = 100'000'000;

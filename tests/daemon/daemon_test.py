@@ -68,8 +68,14 @@ class DaemonTest(unittest.TestCase):
         return servo
 
     def use_servo(self, more=""):
-        tilt = f'[tilt]\ndriver = "dynamixel"\ndevice = "{self.path("servo")}"\nbaud = 0\n'
+        # Patience for a busy machine: the kernel lets a poll of a terminal wait for the worker that carries its bytes.
+        tilt = f'[pipeline]\nwatchdog_ms = 5000.0\n[tilt]\ndriver = "dynamixel"\ndevice = "{self.path("servo")}"\nbaud = 0\n'
+        tilt += "reply_timeout_ms = 200.0\nstall_timeout_ms = 500.0\nheartbeat_period_ms = 500.0\n"
         self.config = self.write_config("tilting.toml", tilt + more)
+
+    def servo_obeys(self):
+        state = self.state()
+        return bool(state) and "servo does not obey" not in state
 
     def wait_until(self, holds, seconds):
         end = time.monotonic() + seconds
@@ -187,19 +193,18 @@ class DaemonTest(unittest.TestCase):
 
     def test_goes_on_with_a_servo_that_stalls_or_dies_and_says_so(self):
         self.use_servo('at_start = "sweep"\n')
-        servo = self.start_servo("--fault", "stall@4:1.5")
+        servo = self.start_servo("--fault", "stall@6:6")
         self.start_laser()
         self.start_daemon()
-        self.wait_until(lambda: self.state() == "DEGRADED: the laser is not level", 10)
-        self.wait_until(lambda: "servo does not obey" in self.state(), 6)
-        self.assertTrue(self.state().startswith("DEGRADED"), "SLAM goes on")
-        self.wait_until(lambda: "servo does not obey" not in self.state(), 5)
+        self.wait_until(lambda: self.state().startswith("DEGRADED") and self.servo_obeys(), 6)
+        self.wait_until(lambda: self.state().startswith("DEGRADED") and not self.servo_obeys(), 15)
+        self.wait_until(self.servo_obeys, 15)
         servo.kill()
         servo.wait()
-        self.wait_until(lambda: "servo does not obey" in self.state(), 1)
+        self.wait_until(lambda: not self.servo_obeys(), 2)
         os.remove(self.path("servo"))
         self.start_servo()
-        self.wait_until(lambda: "servo does not obey" not in self.state(), 3)
+        self.wait_until(self.servo_obeys, 5)
 
     def test_says_what_is_wrong_with_its_configuration_or_arguments(self):
         wrong = self.write_config("wrong.toml", "[pipeline]\nscan_queue = 0\n")
