@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace odoless {
 
@@ -122,8 +123,8 @@ void TiltSource::on_event(const TiltEvent& event) {
   }
 }
 
-TiltKeeper::TiltKeeper(const TiltParams& params, LineHandover& line, WakeUp& sensor)
-    : params_(params), line_(line), sensor_(sensor) {}
+TiltKeeper::TiltKeeper(TiltParams params, LineHandover& line, WakeUp& sensor)
+    : params_(std::move(params)), line_(line), sensor_(sensor) {}
 
 TiltKeeper::~TiltKeeper() {
   const FileDescriptor offered(line_.offered.exchange(-1));

@@ -18,6 +18,7 @@ namespace odoless {
 /// The servo that tilts the laser, on its line.
 ///
 /// Thread: sensor thread; those marked so from any. Real time: system calls read or recvmsg, and write.
+// NOLINTNEXTLINE(cppcoreguidelines-virtual-class-destructor): final, and owned as what it is
 class TiltSource final : private TiltSink {
  public:
   TiltSource(const TiltParams& params, LineHandover& line);
@@ -71,7 +72,7 @@ class TiltSource final : private TiltSink {
 /// Thread: supervisor; not real-time.
 class TiltKeeper {
  public:
-  TiltKeeper(const TiltParams& params, LineHandover& line, WakeUp& sensor);
+  TiltKeeper(TiltParams params, LineHandover& line, WakeUp& sensor);
   TiltKeeper(const TiltKeeper&) = delete;
   TiltKeeper& operator=(const TiltKeeper&) = delete;
   ~TiltKeeper();

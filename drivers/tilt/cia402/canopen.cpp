@@ -64,14 +64,14 @@ constexpr std::array<AbortText, 17> kAbortTexts{{
 std::uint32_t get(const CanFrame& frame, int at, int size_bytes) {
   std::uint32_t value = 0;
   for (int i = size_bytes - 1; i >= 0; --i) {
-    value = value << 8U | frame.data[static_cast<std::size_t>(at + i)];
+    value = value << 8U | frame.data[static_cast<std::size_t>(at) + static_cast<std::size_t>(i)];
   }
   return value;
 }
 
 void put(CanFrame& frame, int at, std::uint32_t value, int size_bytes) {
   for (int i = 0; i < size_bytes; ++i, value >>= 8U) {
-    frame.data[static_cast<std::size_t>(at + i)] = static_cast<std::uint8_t>(value);
+    frame.data[static_cast<std::size_t>(at) + static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(value);
   }
 }
 
