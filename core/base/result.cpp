@@ -2,6 +2,40 @@
 
 namespace odoless {
 
+namespace {
+
+/// Of axes, and of what they are connected by.
+const char* describe_motion(Errc error) {
+  switch (error) {
+    case Errc::kNotYet:
+      return "of that moment nothing is known yet";
+    case Errc::kTooOld:
+      return "of that moment nothing is known any more";
+    case Errc::kGap:
+      return "what is known lies too far around that moment";
+    case Errc::kImplausibleAngle:
+      return "the axis cannot have come to the angle that it tells";
+    case Errc::kWrongDevice:
+      return "the device is another one than configured";
+    case Errc::kDeviceRestarted:
+      return "the device has started anew";
+    case Errc::kStalled:
+      return "the axis does not move as it should";
+    case Errc::kHomingFailed:
+      return "the axis does not find its zero";
+    case Errc::kBusOff:
+      return "the controller has left the bus because of too many errors";
+    case Errc::kLinkDown:
+      return "the network interface is down";
+    case Errc::kNotCan:
+      return "the network interface is no CAN interface, or the system has no CAN";
+    default:
+      return "unknown error";
+  }
+}
+
+}  // namespace
+
 const char* describe(Errc error) {
   switch (error) {
     case Errc::kOk:
@@ -58,8 +92,9 @@ const char* describe(Errc error) {
       return "the device answered with an error status";
     case Errc::kDeviceSilent:
       return "the device doesn't answer, or has stopped sending";
+    default:
+      return describe_motion(error);
   }
-  return "unknown error";
 }
 
 }  // namespace odoless

@@ -38,6 +38,18 @@ enum class Errc {
   kImplausibleStamp,  ///< the device's own clock says what cannot be
   kDeviceStatus,      ///< the device answered with an error status
   kDeviceSilent,      ///< the device doesn't answer, or has stopped sending
+
+  kNotYet,            ///< of that moment nothing is known yet
+  kTooOld,            ///< of that moment nothing is known any more
+  kGap,               ///< what is known lies too far around that moment
+  kImplausibleAngle,  ///< an axis cannot have come to the angle that it tells
+  kWrongDevice,       ///< the device is another one than configured
+  kDeviceRestarted,   ///< the device has started anew
+  kStalled,           ///< an axis doesn't move as it should
+  kHomingFailed,      ///< an axis doesn't find its zero
+  kBusOff,            ///< the controller has left the bus because of too many errors
+  kLinkDown,          ///< the network interface is down
+  kNotCan,            ///< the network interface is no CAN interface, or the system has no CAN
 };
 
 /// One sentence for a person.

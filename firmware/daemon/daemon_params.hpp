@@ -4,6 +4,7 @@
 
 #include "config/robot_params.hpp"
 #include "drivers/lrf/lrf_params.hpp"
+#include "drivers/tilt/tilt_params.hpp"
 #include "firmware/gpio/gpio_params.hpp"
 #include "firmware/health/health_monitor.hpp"
 #include "firmware/lcm/lcm_params.hpp"
@@ -26,6 +27,7 @@ struct DaemonParams {
   RobotParams robot;
   LrfParams lrf;
   GpioParams gpio;
+  TiltParams tilt;
   LcmParams lcm;
   PipelineParams pipeline;
   LogWriterParams recorder;
@@ -37,6 +39,7 @@ struct DaemonParams {
     visit.group("lrf", self.lrf, "The laser range finder.");
     visit.group("gpio", self.gpio,
                 "Lines of the machine: emergency stop, sync pulse, the laser's power, status light.");
+    visit.group("tilt", self.tilt, "The servo that tilts the laser.");
     visit.group("lcm", self.lcm, "What is published.");
     visit.group("pipeline", self.pipeline, "Threads, queues and time budgets of the daemon.");
     visit.group("recorder", self.recorder, "The log of all messages.");

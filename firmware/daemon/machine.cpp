@@ -37,6 +37,11 @@ Machine::Machine(DaemonOptions& options)
       start_ns_(clock_.now_ns()) {
   const PipelineParams& params = options.params.pipeline;
   sensor_loop_ = std::make_unique<SensorLoop>(pipeline_, *source_, *intake_, clock_, kSensorBudget_ns);
+  if (options.params.tilt.driver != TiltDriver::kNone && has_matcher(stages_) && source_->is_live()) {
+    tilt_ = std::make_unique<TiltSource>(options.params.tilt, tilt_line_);
+    tilt_->obey_stop(gpio_signals_.stopped);
+    sensor_loop_->attach(*tilt_);
+  }
   if (matcher_) {
     matcher_loop_ = std::make_unique<MatcherLoop>(pipeline_, *matcher_, params.matcher_budget_ns, has_filter(stages_));
   }

@@ -8,6 +8,7 @@
 #include "firmware/pipeline/pipeline.hpp"
 #include "firmware/publisher/publisher.hpp"
 #include "firmware/sources/lrf_source.hpp"
+#include "firmware/sources/tilt_source.hpp"
 #include "firmware/stages/filter_stage.hpp"
 #include "firmware/stages/matcher_stage.hpp"
 #include "firmware/threads/filter_intake.hpp"
@@ -48,6 +49,9 @@ class Machine {
   [[nodiscard]] bool reads_laser() const { return reads_laser_; }
   /// What GPIO says and is told; where there is none, nothing is ever stopped.
   [[nodiscard]] GpioSignals& gpio() { return gpio_signals_; }
+  [[nodiscard]] LineHandover& tilt_line() { return tilt_line_; }
+  /// Null: there is none.
+  [[nodiscard]] TiltSource* tilt() { return tilt_.get(); }
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:
@@ -59,9 +63,11 @@ class Machine {
   Pipeline pipeline_;
   LineHandover line_;
   GpioSignals gpio_signals_;
+  LineHandover tilt_line_;
   bool reads_laser_ = false;
   bool is_replay_ = false;
   std::unique_ptr<ScanSource> source_;
+  std::unique_ptr<TiltSource> tilt_;
   std::unique_ptr<Intake> intake_;
   std::unique_ptr<MatcherStage> matcher_;
   std::unique_ptr<FilterStage> filter_;

@@ -10,6 +10,7 @@
 #include "firmware/pipeline/pipeline.hpp"
 #include "firmware/publisher/publisher.hpp"
 #include "firmware/sources/lrf_source.hpp"
+#include "firmware/sources/tilt_source.hpp"
 #include "firmware/stages/filter_stage.hpp"
 #include "firmware/stages/matcher_stage.hpp"
 #include "firmware/threads/intake.hpp"
@@ -67,6 +68,10 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
   const LrfParams lrf = params.lrf.driver == LrfDriver::kLcm ? LrfParams{} : params.lrf;
   const LrfSource source(lrf, params.robot.scan.beams_max, line);
   meter.note("laser");
+  LineHandover tilt_line;
+  const auto tilt =
+      params.tilt.driver == TiltDriver::kNone ? nullptr : std::make_unique<TiltSource>(params.tilt, tilt_line);
+  meter.note("tilt servo");
   const auto matcher = std::make_unique<MatcherStage>(params.robot, 1);
   meter.note("matcher: local map, rasters, population");
   const auto filter = std::make_unique<FilterStage>(params.robot, 1);

@@ -20,7 +20,8 @@
 namespace odoless {
 namespace {
 
-constexpr const char* kCommands = "status, save, reset, pose X_M Y_M YAW_DEG, pause, resume, stop";
+constexpr const char* kCommands =
+    "status, save, reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, stop";
 
 FileDescriptor block_signals() {
   sigset_t set;
@@ -53,6 +54,7 @@ Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t s
       machine_(machine),
       keeper_(options.params.lrf, machine.line(), machine.pipeline().sensor.wake,
               options.params.pipeline.sensor_priority),
+      tilt_keeper_(options.params.tilt, machine.tilt_line(), machine.pipeline().sensor.wake),
       signals_(block_signals()) {
   surroundings_.standing_reasons = standing_reasons;
   surroundings_.device_tried = false;
@@ -64,6 +66,7 @@ int Supervisor::run() {
   while (!ending_ && !machine_.has_ended()) {
     wait();
     keep_laser_open();
+    keep_tilt_open();
     if (!watch()) {
       ::_exit(EX_SOFTWARE);
     }
@@ -143,6 +146,35 @@ void Supervisor::keep_laser_open() {
   }
 }
 
+// A servo that cannot be opened stops nothing: SLAM goes on, and health says so.
+void Supervisor::keep_tilt_open() {
+  if (machine_.tilt() == nullptr) {
+    return;
+  }
+  const Errc error = tilt_keeper_.tick(machine_.clock().now_ns());
+  if (error != Errc::kOk && error != tilt_error_) {
+    log_line(EventPriority::kWarning, fmt::format("{}: {}; it is opened as soon as it can be (tilt.device)",
+                                                  options_.params.tilt.device, describe(error)));
+  }
+  if (error != Errc::kOk || machine_.tilt_line().in_use) {
+    tilt_error_ = error;
+  }
+}
+
+std::string Supervisor::command_tilt(std::string_view argument) {
+  if (machine_.tilt() == nullptr) {
+    return "error: there is no tilt servo (tilt.driver)\n";
+  }
+  for (std::size_t i = 0; i < std::size(kTiltCommandNames); ++i) {
+    if (argument == kTiltCommandNames[i]) {
+      machine_.tilt()->request(static_cast<TiltCommand>(i));
+      machine_.pipeline().sensor.wake.notify();
+      return "ok\n";
+    }
+  }
+  return "error: tilt needs one of level, sweep, stop\n";
+}
+
 bool Supervisor::watch() {
   const std::int64_t now_ns = machine_.clock().now_ns();
   if (now_ns < next_watch_ns_) {
@@ -210,6 +242,9 @@ std::string Supervisor::obey(std::string_view command) {
   if (word == "stop") {
     ending_ = true;
     return "ok\n";
+  }
+  if (word == "tilt") {
+    return command_tilt(arguments);
   }
   return command_filter(word, arguments);
 }

@@ -32,6 +32,8 @@ class Supervisor {
   void wait();
   void handle_signal();
   void keep_laser_open();
+  void keep_tilt_open();
+  [[nodiscard]] std::string command_tilt(std::string_view argument);
   [[nodiscard]] bool watch();
   void follow_gpio();
   void reload();
@@ -49,10 +51,12 @@ class Supervisor {
   Machine& machine_;
   ControlServer control_;
   LrfKeeper keeper_;
+  TiltKeeper tilt_keeper_;
   Surroundings surroundings_;
   FileDescriptor signals_;
   bool ending_ = false;
   Errc laser_error_ = Errc::kOk;
+  Errc tilt_error_ = Errc::kOk;
   std::int64_t next_watch_ns_ = 0;
   std::int64_t silent_ns_ = 0;
   std::int64_t power_cycles_ = 0;

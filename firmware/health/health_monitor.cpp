@@ -47,7 +47,9 @@ std::uint32_t HealthMonitor::sensor_reasons(const SensorReport& sensor, const Su
   return when(silent && sensor.period_ns > 0, kReasonNoScans) |
          when(!sensor.open && (surroundings.device_tried || sensor.last_scan_ns != 0), kReasonDeviceClosed) |
          when(rejected_.update(sensor.source.rejected, now_ns, params_.deadline_memory_ns), kReasonBadScans) |
-         when(sensor.blind, kReasonBlind) | when(sensor.stuck, kReasonStuck) |
+         when(sensor.tilt.used && !sensor.tilt.obeys, kReasonTilt) |
+         when(sensor.tilt.used && !sensor.tilt.level, kReasonNotLevel) | when(sensor.blind, kReasonBlind) |
+         when(sensor.stuck, kReasonStuck) |
          when(lost_datagrams_.update(sensor.source.datagrams_lost, now_ns, params_.deadline_memory_ns),
               kReasonDatagramsLost);
 }

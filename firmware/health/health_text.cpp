@@ -8,7 +8,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<const char*, 19> kReasonTexts{"no scans",
+constexpr std::array<const char*, 21> kReasonTexts{"no scans",
                                                    "the laser cannot be opened",
                                                    "scans are refused",
                                                    "the laser sees nothing",
@@ -26,7 +26,9 @@ constexpr std::array<const char*, 19> kReasonTexts{"no scans",
                                                    "datagrams were lost",
                                                    "mapping is paused",
                                                    "emergency stop",
-                                                   "a GPIO line or the sync pulse is missing"};
+                                                   "a GPIO line or the sync pulse is missing",
+                                                   "the tilt servo does not obey",
+                                                   "the laser is not level"};
 
 }  // namespace
 

@@ -7,6 +7,7 @@ Channels::Channels(std::string_view prefix) {
   scan = named("SCAN");
   lrf_raw_rx = named("LRF_RAW_RX");
   lrf_raw_tx = named("LRF_RAW_TX");
+  tilt = named("TILT");
   motion = named("MOTION");
   pose = named("POSE");
   pose_covariance = named("POSE_COVARIANCE");

@@ -38,6 +38,7 @@ struct LcmLink::Messages {
 
   bot_core::planar_lidar_t scan{};
   bot_core::raw_t raw{};
+  bot_core::joint_state_t tilt{};
   pose_covariance_t pose_covariance{};
   bot_core::pose_t pose{};
   bot_core::rigid_transform_t map_to_odom{};
@@ -135,6 +136,11 @@ Errc LcmLink::publish(const RawBytesRecord& raw, std::span<const std::byte> byte
   }
   to_message(raw, bytes, messages_->raw);
   return send(raw.to_device != 0 ? channels_.lrf_raw_tx : channels_.lrf_raw_rx, messages_->raw);
+}
+
+Errc LcmLink::publish(const TiltRecord& tilt) {
+  to_message(tilt, messages_->tilt);
+  return send(channels_.tilt, messages_->tilt);
 }
 
 Errc LcmLink::publish(const MotionRecord& motion) {

@@ -69,6 +69,7 @@ class LcmLink {
   [[nodiscard]] Errc publish(const ScanRecord& scan, std::span<const float> ranges_m);
   /// To the tap alone unless the parameters say otherwise.
   [[nodiscard]] Errc publish(const RawBytesRecord& raw, std::span<const std::byte> bytes);
+  [[nodiscard]] Errc publish(const TiltRecord& tilt);
   [[nodiscard]] Errc publish(const MotionRecord& motion);
   /// Three messages: pose, pose with covariance, and where odom is in the map. The velocity is that of the last motion
   /// published, if that ended not more than a second from this pose.

@@ -78,6 +78,15 @@ void to_message(const RawBytesRecord& raw, std::span<const std::byte> bytes, bot
                  [](std::byte byte) { return std::to_integer<std::uint8_t>(byte); });
 }
 
+void to_message(const TiltRecord& tilt, bot_core::joint_state_t& message) {
+  message.utime = utime(tilt.stamp_ns);
+  message.num_joints = 1;
+  message.joint_name.assign(1, "tilt");
+  message.joint_position.assign(1, static_cast<float>(tilt.angle_rad));
+  message.joint_velocity.assign(1, static_cast<float>(tilt.velocity_radps));
+  message.joint_effort.assign(1, 0.0F);
+}
+
 void to_message(const MotionRecord& motion, pose_covariance_t& message) {
   message.utime = utime(motion.to_stamp_ns);
   message.reference_utime = utime(motion.from_stamp_ns);

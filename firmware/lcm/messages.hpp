@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bot_core/joint_state_t.hpp>
 #include <bot_core/planar_lidar_t.hpp>
 #include <bot_core/pointcloud_t.hpp>
 #include <bot_core/pose_t.hpp>
@@ -41,6 +42,8 @@ struct Velocity {
 
 void to_message(const ScanRecord& scan, std::span<const float> ranges_m, bot_core::planar_lidar_t& message);
 void to_message(const RawBytesRecord& raw, std::span<const std::byte> bytes, bot_core::raw_t& message);
+/// One joint, "tilt".
+void to_message(const TiltRecord& tilt, bot_core::joint_state_t& message);
 void to_message(const MotionRecord& motion, pose_covariance_t& message);
 void to_message(const PoseRecord& pose, pose_covariance_t& message);
 void to_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose_t& message);

@@ -35,6 +35,14 @@ struct StageReport {
   std::int64_t allocations = -1;
 };
 
+/// How the tilt servo is.
+struct TiltReport {
+  bool used = false;
+  bool obeys = true;  ///< it is there, without fault, and does what it was told
+  bool level = true;  ///< the laser's plane is
+  std::int64_t stalls = 0;
+};
+
 /// CPU time per scan of the run.
 struct CpuHistograms {
   LatencyHistogram sensor;
@@ -46,6 +54,7 @@ struct CpuHistograms {
 struct SensorReport {
   StageReport stage;
   SourceHealth source;
+  TiltReport tilt;
   std::int64_t last_scan_ns = 0;  ///< host time at which the last good scan was complete; 0: none yet
   std::int64_t period_ns = 0;     ///< between scans, smoothed; 0: not known
   bool open = false;              ///< whether the device is

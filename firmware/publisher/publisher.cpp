@@ -56,6 +56,8 @@ void Publisher::take(RecordType type, std::span<const std::byte> bytes) {
     case RecordType::kRawBytes:
       return static_cast<void>(
           link_.publish(record_of<RawBytesRecord>(bytes), elements_of<std::byte, RawBytesRecord>(bytes)));
+    case RecordType::kTilt:
+      return static_cast<void>(link_.publish(record_of<TiltRecord>(bytes)));
     case RecordType::kMotion:
       return static_cast<void>(link_.publish(record_of<MotionRecord>(bytes)));
     case RecordType::kPose:

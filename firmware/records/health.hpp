@@ -35,6 +35,8 @@ enum HealthReason : std::uint32_t {
   kReasonPaused = 1U << 16,         ///< somebody asked for a pause of mapping
   kReasonStopped = 1U << 17,        ///< the emergency stop is pressed, or its line is lost: nothing moves
   kReasonGpio = 1U << 18,           ///< a GPIO line cannot be used, or the sync pulse doesn't come
+  kReasonTilt = 1U << 19,           ///< the tilt servo is not there, has a fault, or doesn't move as it should
+  kReasonNotLevel = 1U << 20,       ///< the laser's plane is not level
 };
 
 /// The scan source since start. Rates and ages are taken at the time of the report.

@@ -14,7 +14,7 @@ namespace odoless {
 /// Stamps are those of scans: whole microseconds in nanoseconds, on the monotonic clock with its origin moved once, at
 /// start, to the Unix epoch. LCM's utime is stamp_ns / 1000.
 
-enum class RecordType : std::uint32_t { kScan = 1, kRawBytes, kMotion, kPose, kMapTile, kEvent };
+enum class RecordType : std::uint32_t { kScan = 1, kRawBytes, kMotion, kPose, kMapTile, kEvent, kTilt };
 
 /// A scan as the device gave it. Followed by `beams` floats: range in metres; infinity: no return; 0: nothing is known.
 struct ScanRecord {
@@ -59,6 +59,13 @@ struct PoseRecord {
   double log_likelihood_per_beam = 0.0;
   std::int32_t particles = 0;
   std::int32_t updated = 0;  ///< 1: this scan was an update
+};
+
+/// A measured angle of the laser's tilt axis.
+struct TiltRecord {
+  std::int64_t stamp_ns = 0;
+  double angle_rad = 0.0;  ///< from the level pose, positive is down
+  double velocity_radps = 0.0;
 };
 
 /// A square piece of the map. Followed by size_cells * size_cells bytes, row by row from the lowest y: occupancy in

@@ -69,11 +69,13 @@ void Intake::on_raw(std::span<const std::byte> bytes, bool to_device) {
   send(pipeline_, pipeline_.sensor.outbox, RecordType::kRawBytes, record, bytes);
 }
 
+void Intake::on_tilt(const TiltRecord& tilt) { send(pipeline_, pipeline_.sensor.outbox, RecordType::kTilt, tilt); }
+
 void Intake::on_event(EventPriority priority, EventText text, std::int64_t number) {
   pipeline_.sensor.log.push(clock_.now_ns(), priority, text, number);
 }
 
-void Intake::report(const ScanSource& source, StageReport& stage) {
+void Intake::report(const ScanSource& source, const TiltReport& tilt, const StageReport& stage) {
   SensorReport report;
   report.stage = stage;
   report.source = stage_.counts();
@@ -82,6 +84,7 @@ void Intake::report(const ScanSource& source, StageReport& stage) {
   report.last_scan_ns = stage_.last_scan_ns();
   report.period_ns = stage_.period_ns();
   report.open = source.is_open();
+  report.tilt = tilt;
   report.blind = stage_.is_blind();
   report.stuck = stage_.is_stuck();
   pipeline_.sensor.report.write(report);

@@ -23,12 +23,13 @@ class Intake : public ScanSink {
 
   void on_scan(const RawScan& scan) final;
   void on_raw(std::span<const std::byte> bytes, bool to_device) final;
+  void on_tilt(const TiltRecord& tilt) final;
   void on_event(EventPriority priority, EventText text, std::int64_t number) final;
   void on_motion(const MotionRecord& /*motion*/) override {}
 
   /// Whether one more scan can be taken in without loss.
   [[nodiscard]] bool has_room();
-  void report(const ScanSource& source, StageReport& stage);
+  void report(const ScanSource& source, const TiltReport& tilt, const StageReport& stage);
 
  protected:
   /// A scan that was accepted.

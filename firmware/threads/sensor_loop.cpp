@@ -19,9 +19,12 @@ void SensorLoop::run() {
       wait();
       timer_.begin();
       source_.work(clock_.now_ns(), intake_);
+      if (tilt_ != nullptr) {
+        tilt_->work(clock_.now_ns(), intake_);
+      }
       timer_.end(report_);
       meter_.read(report_);
-      intake_.report(source_, report_);
+      intake_.report(source_, tilt_ != nullptr ? tilt_->report() : TiltReport{}, report_);
     }
     pipeline_.sensor.heartbeat.fetch_add(1, std::memory_order_relaxed);
   }
@@ -31,10 +34,13 @@ void SensorLoop::run() {
 }
 
 void SensorLoop::wait() {
-  const std::int64_t left_ns = source_.next_deadline_ns() - clock_.now_ns();
+  const std::int64_t tilt_deadline_ns = tilt_ != nullptr ? tilt_->next_deadline_ns() : ScanSource::kNever_ns;
+  const std::int64_t left_ns = std::min(source_.next_deadline_ns(), tilt_deadline_ns) - clock_.now_ns();
   const std::int64_t wait_ns = std::clamp<std::int64_t>(left_ns, 0, kIdle_ns);
-  std::array<pollfd, 2> ready{pollfd{.fd = pipeline_.sensor.wake.descriptor(), .events = POLLIN, .revents = 0},
-                              pollfd{.fd = source_.descriptor(), .events = POLLIN, .revents = 0}};
+  std::array<pollfd, 3> ready{
+      pollfd{.fd = pipeline_.sensor.wake.descriptor(), .events = POLLIN, .revents = 0},
+      pollfd{.fd = source_.descriptor(), .events = POLLIN, .revents = 0},
+      pollfd{.fd = tilt_ != nullptr ? tilt_->descriptor() : -1, .events = POLLIN, .revents = 0}};
   const timespec timeout{.tv_sec = 0, .tv_nsec = wait_ns};
   static_cast<void>(ppoll(ready.data(), ready.size(), &timeout, nullptr));
   if ((ready[0].revents & POLLIN) != 0) {

@@ -1,16 +1,20 @@
 #pragma once
 
+#include "firmware/sources/tilt_source.hpp"
 #include "firmware/threads/intake.hpp"
 
 namespace odoless {
 
-/// The sensor thread: waits for the source, lets it work, says how it is.
+/// The sensor thread: waits for the source and the tilt servo, lets them work, says how they are.
 ///
-/// Real time: no allocation after construction; system calls: ppoll, those of the source, and those of StageTimer,
+/// Real time: no allocation after construction; system calls: ppoll, those of both, and those of StageTimer,
 /// WakeUp and getrusage.
 class SensorLoop {
  public:
   SensorLoop(Pipeline& pipeline, ScanSource& source, Intake& intake, const Clock& clock, std::int64_t budget_ns);
+
+  /// To be called before `run`, if at all: serves the tilt servo, too.
+  void attach(TiltSource& tilt) { tilt_ = &tilt; }
 
   /// Until the pipeline stops or the source is at its end.
   void run();
@@ -21,6 +25,7 @@ class SensorLoop {
   Pipeline& pipeline_;
   ScanSource& source_;
   Intake& intake_;
+  TiltSource* tilt_ = nullptr;
   const Clock& clock_;
   StageReport report_;
   StageTimer timer_;

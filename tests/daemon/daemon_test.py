@@ -64,6 +64,21 @@ class DaemonTest(unittest.TestCase):
     def start_daemon(self, *more):
         return self.start("odolessd", "--config", self.config, "--out", self.path("out"), *more)
 
+    def start_servo(self, *more):
+        servo = self.start("odoless", "emulate", "servo", "--dynamixel", "--pty", self.path("servo"), *more)
+        self.wait_until(lambda: os.path.lexists(self.path("servo")), 10)
+        return servo
+
+    def use_servo(self, more=""):
+        # Patience for a busy machine: the kernel lets a poll of a terminal wait for the worker that carries its bytes.
+        tilt = f'[pipeline]\nwatchdog_ms = 5000.0\n[tilt]\ndriver = "dynamixel"\ndevice = "{self.path("servo")}"\nbaud = 0\n'
+        tilt += "reply_timeout_ms = 200.0\nstall_timeout_ms = 500.0\nheartbeat_period_ms = 500.0\n"
+        self.config = self.write_config("tilting.toml", tilt + more)
+
+    def servo_obeys(self):
+        state = self.state()
+        return bool(state) and "servo does not obey" not in state
+
     def wait_until(self, holds, seconds):
         end = time.monotonic() + seconds
         while not holds():
@@ -225,6 +240,38 @@ class DaemonTest(unittest.TestCase):
             recorded = file.read()
         for channel in (b"ODOLESS_SCAN", b"ODOLESS_MOTION", b"ODOLESS_POSE", b"ODOLESS_MAP_TILE", b"ODOLESS_HEALTH"):
             self.assertIn(channel, recorded)
+
+    def test_holds_the_laser_level_and_sweeps_it_when_told(self):
+        self.use_servo(f'[recorder]\npath = "{self.path("run")}"\n')
+        self.start_servo("--echoes")
+        self.start_laser()
+        daemon = self.start_daemon("--enforce-realtime")
+        self.wait_until(lambda: self.state() == "OK", 10)
+        self.assertEqual(self.ctl("tilt", "sweep").stdout, "ok\n")
+        self.wait_until(lambda: "not level" in self.state(), 2)
+        self.assertEqual(self.ctl("tilt", "level").stdout, "ok\n")
+        self.wait_until(lambda: "not level" not in self.state(), 3)
+        self.assertIn("level, sweep, stop", self.ctl("tilt", "up").stderr)
+        daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+        self.assertEqual(self.summary()["heap_calls"], 0)
+        with open(self.path("run.00000.lcm"), "rb") as file:
+            self.assertGreater(file.read().count(b"ODOLESS_TILT"), 30)
+
+    def test_goes_on_with_a_servo_that_stalls_or_dies_and_says_so(self):
+        self.use_servo('at_start = "sweep"\n')
+        servo = self.start_servo("--fault", "stall@6:6")
+        self.start_laser()
+        self.start_daemon()
+        self.wait_until(lambda: self.state().startswith("DEGRADED") and self.servo_obeys(), 6)
+        self.wait_until(lambda: self.state().startswith("DEGRADED") and not self.servo_obeys(), 15)
+        self.wait_until(self.servo_obeys, 15)
+        servo.kill()
+        servo.wait()
+        self.wait_until(lambda: not self.servo_obeys(), 2)
+        os.remove(self.path("servo"))
+        self.start_servo()
+        self.wait_until(self.servo_obeys, 5)
 
     def test_says_what_is_wrong_with_its_configuration_or_arguments(self):
         wrong = self.write_config("wrong.toml", "[pipeline]\nscan_queue = 0\n")

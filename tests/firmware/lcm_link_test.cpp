@@ -241,6 +241,7 @@ void publish_all(LcmLink& link, const std::vector<float>& ranges_m, const std::v
   EXPECT_EQ(link.publish(RawBytesRecord{.stamp_ns = 1000, .size_bytes = 4, .to_device = 1},
                          std::as_bytes(std::span(cells).first(4))),
             Errc::kOk);
+  EXPECT_EQ(link.publish(TiltRecord{.stamp_ns = 1000, .angle_rad = 0.25, .velocity_radps = -1.5}), Errc::kOk);
   EXPECT_EQ(link.publish(test::example_motion()), Errc::kOk);
   EXPECT_EQ(link.publish(test::example_pose()), Errc::kOk);
   EXPECT_EQ(link.publish_points(test::example_pose(), scan, ranges_m), Errc::kOk);
@@ -264,9 +265,9 @@ TEST(LcmLink, SendsOneOfEachToWhoeverListens) {
   params.url = test::lcm_url();
   params.raw_bytes = true;
   const Channels c;
-  const std::vector<std::string> all{c.scan, c.lrf_raw_rx,      c.lrf_raw_tx,  c.motion,
-                                     c.pose, c.pose_covariance, c.map_to_odom, c.map_tile,
-                                     c.map,  c.health,          c.lrf_status,  c.scan_points};
+  const std::vector<std::string> all{
+      c.tilt,        c.scan,     c.lrf_raw_rx, c.lrf_raw_tx, c.motion,     c.pose,       c.pose_covariance,
+      c.map_to_odom, c.map_tile, c.map,        c.health,     c.lrf_status, c.scan_points};
   LcmReceiver receiver(params, all);
   ASSERT_EQ(receiver.open(), Errc::kOk) << receiver.reason();
   LcmLink link(params, kMapCellsMax);
@@ -288,6 +289,24 @@ TEST(LcmLink, SendsOneOfEachToWhoeverListens) {
   EXPECT_EQ(link.counters().messages, receiver.counters().messages);
   EXPECT_EQ(link.counters().errors, 0);
   EXPECT_EQ(receiver.counters().lost, 0);
+}
+
+TEST(LcmLink, TellsTheTiltAsAJoint) {
+  LcmParams params;
+  params.url = "";
+  LcmLink link(params, kMapCellsMax);
+  KeepingTap tap;
+  link.set_tap(&tap);
+  EXPECT_EQ(link.publish(TiltRecord{.stamp_ns = 5'000, .angle_rad = 0.25, .velocity_radps = -1.5}), Errc::kOk);
+  ASSERT_EQ(tap.kept.size(), 1U);
+  bot_core::joint_state_t message;
+  ASSERT_GT(message.decode(tap.kept[0].message.data(), 0, static_cast<int>(tap.kept[0].message.size())), 0);
+  EXPECT_EQ(tap.kept[0].channel, "ODOLESS_TILT");
+  EXPECT_EQ(message.utime, 5);
+  ASSERT_EQ(message.num_joints, 1);
+  EXPECT_EQ(message.joint_name[0], "tilt");
+  EXPECT_EQ(message.joint_position[0], 0.25F);
+  EXPECT_EQ(message.joint_velocity[0], -1.5F);
 }
 
 TEST(LcmLink, AllocatesNothingOnceItRuns) {

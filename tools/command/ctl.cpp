@@ -67,7 +67,8 @@ void add_ctl(CLI::App& app) {
   command->add_option("--socket", arguments->socket, "The socket itself");
   command
       ->add_option("COMMAND", arguments->command,
-                   "status, save, reset, pose X_M Y_M YAW_DEG, pause, resume or stop; -- before negative numbers")
+                   "status, save, reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, or stop; -- "
+                   "before negative numbers")
       ->required();
   command->callback([arguments] { run_ctl(*arguments); });
 }

@@ -169,6 +169,7 @@ void add_emulate(CLI::App& app) {
   CLI::App* const command = app.add_subcommand("emulate", "Be a device that isn't there");
   command->require_subcommand(1);
   add_lrf(*command);
+  add_emulate_servo(*command);
 }
 
 }  // namespace odoless

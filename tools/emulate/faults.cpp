@@ -15,8 +15,8 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<std::string_view, 9> kNames{"silence", "garbage",  "truncate", "wrong-sum", "reboot",
-                                                 "drift",   "one-byte", "stuck",    "beams"};
+constexpr std::array<std::string_view, 11> kNames{"silence",  "garbage", "truncate", "wrong-sum", "reboot", "drift",
+                                                  "one-byte", "stuck",   "beams",    "stall",     "error"};
 constexpr double kSecondsMax = 1e8;
 constexpr double kRebootS = 0.3;
 
@@ -67,8 +67,8 @@ Fault parse_fault(const std::string& text) {
   if (!start_s || *start_s < 0.0 || (!duration.empty() && (!lasts_s || *lasts_s <= 0.0))) {
     throw bad_fault(text, "not a time in seconds");
   }
-  if (number(value).has_value() != (kind == FaultKind::kDrift)) {
-    throw bad_fault(text, "drift, and no other, has a value in parts per million");
+  if (number(value).has_value() != (kind == FaultKind::kDrift || kind == FaultKind::kError)) {
+    throw bad_fault(text, "drift has a value in parts per million, error its number, and no other has one");
   }
   const auto start_ns = std::llround(*start_s * 1e9);
   return {.kind = kind,

@@ -16,9 +16,11 @@ enum class FaultKind : std::uint8_t {
   kOneByte,   ///< writes byte by byte
   kStuck,     ///< sends the same ranges again and again
   kBeams,     ///< scans have a third of their beams less
+  kStall,     ///< servo: doesn't move
+  kError,     ///< servo: reports the error VALUE, and is off until it is reset
 };
 
-/// One fault of an emulated laser; times since its stream was started first.
+/// One fault of an emulated device; times since a laser's stream was started first, or a servo was first spoken to.
 struct Fault {
   FaultKind kind = FaultKind::kSilence;
   double value = 0.0;

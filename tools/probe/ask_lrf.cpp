@@ -31,6 +31,7 @@ Result<LrfGeometry> ask_lrf(const LrfParams& params, std::int64_t patience_ns) {
     return opened.error();
   }
   const FileDescriptor line = opened.take();
+  set_up_lrf_line(params, line.get());
   const auto session = make_lrf_session(params, kBeamsMax);
   const std::int64_t end_ns = monotonic_ns() + patience_ns;
   Nobody nobody;

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "drivers/tilt/cia402/canopen.hpp"
+#include "drivers/tilt/tilt_motion.hpp"
+#include "drivers/tilt/tilt_params.hpp"
+
+namespace odoless::cia402 {
+
+inline constexpr canopen::Object kDeviceType{0x1000, 0};
+inline constexpr canopen::Object kErrorCode{0x603F, 0};
+inline constexpr canopen::Object kModeOfOperation{0x6060, 0};
+
+inline constexpr std::uint32_t kProfilePosition = 1;
+inline constexpr std::uint32_t kHoming = 6;
+
+/// One write to the drive's dictionary.
+struct Setting {
+  canopen::Object object;
+  std::uint32_t value = 0;
+  int size_bytes = 0;
+  bool optional = false;  ///< a drive without it, or where it is fixed, will do
+};
+
+/// All that a drive is set to before it is started, in order: stop; heartbeats both ways; RPDO 1 {control word,
+/// target}, TPDO 1 {status word, position, mode} and TPDO 2 {velocity} at each SYNC; limits; the profile's speed and
+/// slopes.
+class SetUp {
+ public:
+  SetUp(const TiltParams& params, const TiltScale& scale);
+
+  [[nodiscard]] std::span<const Setting> settings() const { return std::span(settings_).first(count_); }
+
+  /// Whether the drive may go on although it refused `setting` so.
+  [[nodiscard]] static bool tolerates(const Setting& setting, std::uint32_t abort_code);
+
+ private:
+  void add(canopen::Object object, std::uint32_t value, int size_bytes, bool optional = false);
+  void add_pdo(std::uint16_t communication, std::uint32_t cob, std::uint8_t kind,
+               std::span<const std::uint32_t> mapping);
+  void add_heartbeats(const TiltParams& params);
+  void add_motion(const TiltParams& params, const TiltScale& scale);
+  void add_homing(const TiltParams& params, const TiltScale& scale);
+
+  std::array<Setting, 64> settings_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace odoless::cia402

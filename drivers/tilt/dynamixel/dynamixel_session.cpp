@@ -1,0 +1,299 @@
+#include "drivers/tilt/dynamixel/dynamixel_session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace odoless {
+namespace {
+
+using dynamixel::Instruction;
+
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kMomentNs = 1'000'000;
+constexpr std::int64_t kPauseNs = 100'000'000;
+constexpr std::int64_t kFaultPauseMaxNs = 2'000'000'000;
+constexpr int kTries = 3;
+constexpr int kPollsPerHealth = 10;
+constexpr std::int64_t kWatchdogUnitNs = 20'000'000;
+
+std::uint32_t profile_units(double value, double unit) {
+  return static_cast<std::uint32_t>(std::clamp(std::round(value / unit), 1.0, double{dynamixel::kProfileMax}));
+}
+
+std::uint32_t watchdog_units(const TiltParams& params) {
+  const std::int64_t timeout_ns = 3 * std::max(params.heartbeat_period_ns, params.sample_period_ns);
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(timeout_ns / kWatchdogUnitNs, 1, 127));
+}
+
+std::int32_t clamp_position(std::int32_t counts) {
+  return std::clamp(counts, 0, static_cast<std::int32_t>(dynamixel::kCountsPerTurn) - 1);
+}
+
+}  // namespace
+
+DynamixelSession::DynamixelSession(const TiltParams& params)
+    : params_(params),
+      scale_(params, dynamixel::kCountsPerTurn, dynamixel::kCentreCounts),
+      motion_(params),
+      gate_(2.0 * params.speed_radps + 2.0),
+      fault_pause_ns_(kPauseNs) {}
+
+void DynamixelSession::reset(std::int64_t now_ns) {
+  counters_.restarts += was_reset_ ? 1 : 0;
+  was_reset_ = true;
+  reader_.clear();
+  enter(Step::kPing, now_ns);
+}
+
+void DynamixelSession::command(TiltCommand command, std::int64_t now_ns) {
+  motion_.command(command, now_ns);
+  if (runs() && !busy_ && goal_is_due()) {
+    enter(Step::kGoal, now_ns);
+  }
+}
+
+std::int32_t DynamixelSession::wished_counts() const {
+  return clamp_position(scale_.position_counts(motion_.target_rad()));
+}
+
+bool DynamixelSession::goal_is_due() const {
+  return stops() ? !goal_is_stop_ : goal_is_stop_ || goal_counts_ != wished_counts();
+}
+
+void DynamixelSession::ask(Instruction instruction, std::span<const std::uint8_t> parameters, std::size_t answer_bytes,
+                           std::int64_t now_ns) {
+  request_ = dynamixel::encode(params_.id, instruction, parameters);
+  answer_bytes_ = answer_bytes;
+  asked_ns_ = now_ns;
+  busy_ = true;
+  to_be_sent_ = true;
+}
+
+void DynamixelSession::read(std::uint16_t address, std::uint16_t size_bytes, std::int64_t now_ns) {
+  const std::array<std::uint8_t, 4> parameters{
+      static_cast<std::uint8_t>(address & 0xFFU), static_cast<std::uint8_t>(address >> 8U),
+      static_cast<std::uint8_t>(size_bytes & 0xFFU), static_cast<std::uint8_t>(size_bytes >> 8U)};
+  ask(Instruction::kRead, parameters, size_bytes, now_ns);
+}
+
+void DynamixelSession::write(std::uint16_t address, std::span<const std::uint32_t> values, std::size_t value_bytes,
+                             std::int64_t now_ns) {
+  std::array<std::uint8_t, 16> parameters{static_cast<std::uint8_t>(address & 0xFFU),
+                                          static_cast<std::uint8_t>(address >> 8U)};
+  std::size_t count = 2;
+  for (std::uint32_t value : values) {
+    for (std::size_t i = 0; i < value_bytes; ++i, value >>= 8U) {
+      parameters[count++] = static_cast<std::uint8_t>(value & 0xFFU);
+    }
+  }
+  ask(Instruction::kWrite, std::span(parameters).first(count), 0, now_ns);
+}
+
+// The profile goes with every goal, so that it holds whatever happened to the servo between. A stop has none: as fast
+// as the servo can, to where it is.
+void DynamixelSession::write_goal(bool is_stop, std::int64_t now_ns) {
+  goal_is_stop_ = is_stop;
+  goal_counts_ = is_stop ? clamp_position(position_counts_) : wished_counts();
+  const std::array<std::uint32_t, 3> values{
+      goal_is_stop_ ? 0 : profile_units(params_.acceleration_radps2, dynamixel::kAccelerationUnitRadps2),
+      goal_is_stop_ ? 0 : profile_units(params_.speed_radps, dynamixel::kSpeedUnitRadps),
+      static_cast<std::uint32_t>(*goal_counts_)};
+  write(dynamixel::kProfile, values, 4, now_ns);
+}
+
+void DynamixelSession::enter(Step step, std::int64_t now_ns) {
+  const auto write_one = [&](std::uint16_t address, std::uint32_t value, std::size_t size_bytes) {
+    write(address, std::span(&value, 1), size_bytes, now_ns);
+  };
+  step_ = step;
+  switch (step) {
+    case Step::kPing:
+      ready_ = false;
+      goal_counts_.reset();
+      tick_ms_.reset();
+      gate_.restart();
+      return ask(Instruction::kPing, {}, 3, now_ns);
+    case Step::kAnswerAll:
+      return write_one(dynamixel::kStatusReturnLevel, dynamixel::kAnswersAll, 1);
+    case Step::kCheckHealth:
+    case Step::kPollHealth:
+      return read(dynamixel::kHealthFirst, dynamixel::kHealthBytes, now_ns);
+    case Step::kReboot:
+      return ask(Instruction::kReboot, {}, 0, now_ns);
+    case Step::kReadSettings:
+      return read(dynamixel::kSettingsFirst, dynamixel::kSettingsBytes, now_ns);
+    case Step::kTorqueOff:
+      return write_one(dynamixel::kTorqueEnable, 0, 1);
+    case Step::kReturnDelay:
+    case Step::kMode:
+    case Step::kLimits:
+      return next_setting(now_ns);
+    case Step::kClearWatchdog:
+      return write_one(dynamixel::kBusWatchdog, 0, 1);
+    case Step::kFindPosition:
+    case Step::kPollMotion:
+      return read(dynamixel::kMotionFirst, dynamixel::kMotionBytes, now_ns);
+    case Step::kGoalHere:
+      return write_goal(true, now_ns);
+    case Step::kGoal:
+      return write_goal(stops(), now_ns);
+    case Step::kTorqueOn:
+      return write_one(dynamixel::kTorqueEnable, 1, 1);
+    case Step::kWatchdog:
+      return write_one(dynamixel::kBusWatchdog, watchdog_units(params_), 1);
+    case Step::kRun:
+      busy_ = false;
+      next_poll_ns_ = now_ns;
+      motion_.start(now_ns);
+      return;
+    case Step::kPause:
+      busy_ = false;
+      return;
+  }
+}
+
+// From kReturnDelay on: the first of these that differs is written, and then the next looked for.
+void DynamixelSession::next_setting(std::int64_t now_ns) {
+  const auto have = [&](std::uint16_t address) -> std::uint8_t {
+    return settings_[static_cast<std::size_t>(address - dynamixel::kSettingsFirst)];
+  };
+  const auto have4 = [&](std::uint16_t address) {
+    return have(address) + 256U * (have(static_cast<std::uint16_t>(address + 1)) +
+                                   256U * (have(static_cast<std::uint16_t>(address + 2)) +
+                                           256U * have(static_cast<std::uint16_t>(address + 3))));
+  };
+  const auto [low, high] = std::minmax({clamp_position(scale_.position_counts(params_.limit_min_rad)),
+                                        clamp_position(scale_.position_counts(params_.limit_max_rad))});
+  if (step_ == Step::kReturnDelay) {
+    const std::uint32_t mode_bits = have(dynamixel::kDriveMode) & ~std::uint32_t{dynamixel::kTimeBasedProfile};
+    if (have(dynamixel::kReturnDelay) != 0 || have(dynamixel::kDriveMode) != mode_bits) {
+      const std::array<std::uint32_t, 2> values{0, mode_bits};
+      return write(dynamixel::kReturnDelay, values, 1, now_ns);
+    }
+    step_ = Step::kMode;
+  }
+  if (step_ == Step::kMode) {
+    if (have(dynamixel::kOperatingMode) != dynamixel::kPositionControl) {
+      const std::array<std::uint32_t, 1> values{dynamixel::kPositionControl};
+      return write(dynamixel::kOperatingMode, values, 1, now_ns);
+    }
+    step_ = Step::kLimits;
+  }
+  const std::array<std::uint32_t, 2> limits{static_cast<std::uint32_t>(high), static_cast<std::uint32_t>(low)};
+  if (have4(dynamixel::kPositionMax) != limits[0] || have4(dynamixel::kPositionMin) != limits[1]) {
+    return write(dynamixel::kPositionMax, limits, 4, now_ns);
+  }
+  enter(Step::kClearWatchdog, now_ns);
+}
+
+void DynamixelSession::give_up(Errc reason, std::int64_t pause_ns, std::int64_t now_ns, TiltSink& sink) {
+  if (ready_ || !silence_told_) {
+    sink.on_event({.type = TiltEventType::kLost, .reason = reason});
+  }
+  silence_told_ = true;
+  ready_ = false;
+  tries_ = 0;
+  ++counters_.restarts;
+  pause_end_ns_ = now_ns + pause_ns;
+  reader_.clear();
+  enter(Step::kPause, now_ns);
+}
+
+void DynamixelSession::reject(Errc reason, TiltSink& sink) {
+  ++counters_.rejected;
+  counters_.wrong_sums += reason == Errc::kWrongSum ? 1 : 0;
+  counters_.wrong_echoes += reason == Errc::kWrongEcho ? 1 : 0;
+  counters_.implausible += reason == Errc::kImplausibleAngle ? 1 : 0;
+  sink.on_event({.type = TiltEventType::kRejected, .reason = reason});
+}
+
+void DynamixelSession::tell_device_error(std::int64_t code, TiltSink& sink) {
+  ++counters_.device_errors;
+  sink.on_event({.type = TiltEventType::kDeviceError, .reason = Errc::kDeviceStatus, .code = code});
+}
+
+std::span<const std::byte> DynamixelSession::transmit() {
+  return std::exchange(to_be_sent_, false) && busy_ ? std::as_bytes(request_.span()) : std::span<const std::byte>();
+}
+
+void DynamixelSession::on_timeout(std::int64_t now_ns, TiltSink& sink) {
+  ++counters_.timeouts;
+  busy_ = false;
+  if (step_ == Step::kAnswerAll) {
+    enter(Step::kCheckHealth, now_ns);  // at its level of before, this may go unanswered; the next won't
+  } else if (++tries_ >= kTries) {
+    give_up(Errc::kDeviceSilent, kPauseNs, now_ns, sink);
+  } else if (step_ == Step::kPollMotion || step_ == Step::kPollHealth) {
+    go_on(now_ns);
+  } else {
+    asked_ns_ = now_ns;
+    busy_ = true;
+    to_be_sent_ = true;
+  }
+}
+
+// A servo that has heard nothing for as long as its watchdog takes has stopped itself and takes no goals.
+void DynamixelSession::watch(std::int64_t now_ns, TiltSink& sink) {
+  const bool was_deaf = now_ns - asked_ns_ > watchdog_units(params_) * kWatchdogUnitNs;
+  if (was_deaf) {
+    give_up(Errc::kDeviceSilent, kMomentNs, now_ns, sink);
+    return;
+  }
+  if (in_fault_ && now_ns >= fault_end_ns_) {
+    in_fault_ = false;
+    motion_.start(now_ns);
+  }
+  if (ready_ && !in_fault_ && motion_.is_stalled(now_ns)) {
+    ++counters_.stalls;
+    in_fault_ = true;
+    fault_end_ns_ = now_ns + kFaultPauseMaxNs;
+    sink.on_event({.type = TiltEventType::kStalled, .reason = Errc::kStalled});
+  }
+}
+
+void DynamixelSession::tick(std::int64_t now_ns, TiltSink& sink) {
+  if (now_ns < next_deadline_ns()) {
+    return;
+  }
+  if (busy_) {
+    on_timeout(now_ns, sink);
+  }
+  if (step_ == Step::kPause && now_ns >= pause_end_ns_) {
+    enter(std::exchange(reboot_is_due_, false) ? Step::kReboot : Step::kPing, now_ns);
+  }
+  if (!runs() || busy_) {
+    return;
+  }
+  watch(now_ns, sink);
+  if (!runs()) {
+    return;
+  }
+  if (goal_is_due()) {
+    enter(Step::kGoal, now_ns);
+  } else if (now_ns >= next_poll_ns_) {
+    next_poll_ns_ = std::max(next_poll_ns_ + params_.sample_period_ns, now_ns + params_.sample_period_ns / 2);
+    health_is_due_ = ++polls_ % kPollsPerHealth == 0;
+    enter(Step::kPollMotion, now_ns);
+  }
+}
+
+std::int64_t DynamixelSession::next_deadline_ns() const {
+  if (!was_reset_) {
+    return kNever;
+  }
+  if (busy_) {
+    return asked_ns_ + params_.reply_timeout_ns;
+  }
+  return runs() ? next_poll_ns_ : pause_end_ns_;
+}
+
+TiltState DynamixelSession::state() const {
+  if (in_fault_ || has_error_) {
+    return TiltState::kFault;
+  }
+  return ready_ ? motion_.state() : TiltState::kBringUp;
+}
+
+}  // namespace odoless

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "drivers/tilt/tilt_history.hpp"
+#include "drivers/tilt/tilt_line.hpp"
+#include "firmware/pipeline/messages.hpp"
+#include "firmware/sources/lrf_source.hpp"
+#include "firmware/stages/scan_source.hpp"
+#include "rt/wake_up.hpp"
+
+namespace odoless {
+
+/// The servo that tilts the laser, on its line.
+///
+/// Thread: sensor thread; those marked so from any. Real time: system calls read or recvmsg, and write.
+// NOLINTNEXTLINE(cppcoreguidelines-virtual-class-destructor): final, and owned as what it is
+class TiltSource final : private TiltSink {
+ public:
+  TiltSource(const TiltParams& params, LineHandover& line);
+
+  /// To be called before the thread starts, if at all: while it is set, the servo is stopped.
+  void obey_stop(const std::atomic<bool>& stopped) { stopped_ = &stopped; }
+
+  [[nodiscard]] int descriptor() const { return is_link_down_ ? -1 : descriptor_; }
+  [[nodiscard]] std::int64_t next_deadline_ns() const;
+  void work(std::int64_t now_ns, ScanSink& sink);
+  [[nodiscard]] TiltReport report() const;
+  /// Angles for the beams' times.
+  [[nodiscard]] const TiltHistory& history() const { return history_; }
+
+  /// Any thread: what to do from now on; the sensor thread is to be woken.
+  void request(TiltCommand command) { wanted_.store(command, std::memory_order_release); }
+
+ private:
+  void on_angle(const TiltSample& sample) override;
+  void on_event(const TiltEvent& event) override;
+  void take_line(std::int64_t now_ns);
+  void return_line();
+  void obey(std::int64_t now_ns);
+  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+  /// False when the line is gone.
+  [[nodiscard]] bool read_all(std::int64_t now_ns);
+  [[nodiscard]] bool write_all();
+
+  static constexpr int kReadsPerRound = 64;
+  static constexpr std::int64_t kLinkPause_ns = 20'000'000;      ///< between looks at a link that is down
+  static constexpr std::int64_t kEventPause_ns = 1'000'000'000;  ///< between log lines on errors of the bus
+
+  TiltParams params_;
+  std::unique_ptr<TiltSession> session_;
+  LineHandover& line_;
+  TiltHistory history_;
+  std::atomic<TiltCommand> wanted_;
+  const std::atomic<bool>* stopped_ = nullptr;
+  int descriptor_ = -1;
+  bool is_link_down_ = false;
+  std::int64_t now_ns_ = 0;
+  std::int64_t next_bus_event_ns_ = 0;
+  double last_angle_rad_ = 0.0;
+  bool has_angle_ = false;
+  ScanSink* sink_ = nullptr;  ///< during `work`
+  std::array<std::byte, 1024> buffer_{};
+};
+
+/// Opens the servo's line for the sensor thread, again and again, and closes what it gives back.
+///
+/// Thread: supervisor; not real-time.
+class TiltKeeper {
+ public:
+  TiltKeeper(TiltParams params, LineHandover& line, WakeUp& sensor);
+  TiltKeeper(const TiltKeeper&) = delete;
+  TiltKeeper& operator=(const TiltKeeper&) = delete;
+  ~TiltKeeper();
+
+  /// Does what is due. @return kOk while the line is open or nothing was tried, else why it could not be opened.
+  [[nodiscard]] Errc tick(std::int64_t now_ns);
+
+ private:
+  static constexpr std::int64_t kPause_ns = 250'000'000;
+
+  TiltParams params_;
+  LineHandover& line_;
+  WakeUp& sensor_;
+  std::int64_t next_try_ns_ = 0;
+};
+
+}  // namespace odoless

@@ -1,0 +1,277 @@
+// What is particular to CANopen drives, against an emulated one.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/base/rng.hpp"
+#include "tests/tools/servo_support.hpp"
+
+namespace odoless {
+namespace {
+
+using canopen::NodeState;
+using test::kServoMs;
+using test::kServoSecond;
+using test::servo_params;
+using test::ServoBench;
+
+std::vector<Fault> faults_of(const std::string& text) { return {parse_fault(text)}; }
+
+TiltParams can_params() { return servo_params(TiltDriver::kCia402); }
+
+ServoFrame bytes_of(const CanFrame& frame) { return {as_bytes(frame).begin(), as_bytes(frame).end()}; }
+
+CanFrame data_frame(std::uint32_t id, std::initializer_list<std::uint8_t> data) {
+  CanFrame made;
+  made.id = id;
+  made.size_bytes = static_cast<std::uint8_t>(data.size());
+  std::copy(data.begin(), data.end(), made.data.begin());
+  return made;
+}
+
+std::unique_ptr<EmulatedServo> drive(Cia402DeviceOptions options) {
+  return std::make_unique<Cia402Device>(std::move(options), 1000 * kServoSecond);
+}
+
+TEST(Cia402Session, SetsTheDriveUp) {
+  TiltParams params = can_params();
+  params.id = 9;
+  ServoBench bench(params);
+  bench.reset();
+  bench.run(kServoSecond);
+  const auto& device = bench.servo_as<Cia402Device>();
+  EXPECT_EQ(device.node_state(), NodeState::kOperational);
+  EXPECT_EQ(device.power(), cia402::PowerState::kEnabled);
+  EXPECT_EQ(device.dictionary().get({0x1017, 0}), 100U);
+  EXPECT_EQ(device.dictionary().get({0x1016, 1}), 127U << 16U | 300U);
+  EXPECT_EQ(device.dictionary().get({0x1800, 1}), 0x40000189U);
+  EXPECT_EQ(device.dictionary().get({0x1800, 2}), 1U);
+  EXPECT_EQ(device.dictionary().get({0x6081, 0}), 10923U) << "60 deg/s of 65536 per turn";
+  EXPECT_EQ(device.dictionary().get_signed({0x607D, 1}), -8192);
+  EXPECT_EQ(device.dictionary().get_signed({0x607D, 2}), 8192);
+}
+
+TEST(Cia402Session, TakesADriveOverFromEveryState) {
+  for (const auto& before : std::vector<std::vector<CanFrame>>{
+           {},
+           {canopen::nmt(canopen::NmtCommand::kStart, 1)},
+           {canopen::nmt(canopen::NmtCommand::kStop, 1)},
+           {canopen::nmt(canopen::NmtCommand::kStart, 0), canopen::sdo_write(1, {0x6040, 0}, 6, 2),
+            canopen::sdo_write(1, {0x6040, 0}, 7, 2), canopen::sdo_write(1, {0x6040, 0}, 15, 2),
+            canopen::sdo_write(1, {0x6060, 0}, 1, 1), canopen::sdo_write(1, {0x607A, 0}, 30000, 4),
+            canopen::sdo_write(1, {0x6040, 0}, 0x3F, 2)}}) {
+    for (const bool resumes : {false, true}) {
+      Cia402DeviceOptions options;
+      options.resumes_stop = resumes;
+      ServoBench bench(can_params(), drive(options));
+      for (const CanFrame& frame : before) {
+        bench.servo().receive(as_bytes(frame), bench.now_ns());
+      }
+      bench.reset();
+      EXPECT_GT(bench.run_until(TiltState::kLevel, 3 * kServoSecond), 0);
+      EXPECT_LE(bench.heard().count(TiltEventType::kLost), 0);
+    }
+  }
+}
+
+TEST(Cia402Session, FindsTheZeroOncePerPowerUp) {
+  TiltParams params = can_params();
+  params.homing_method = 17;
+  params.at_start = TiltCommand::kStop;
+  Cia402DeviceOptions options;
+  options.home_rad = -0.4;
+  options.faults = {parse_fault("silence@8:1"), parse_fault("reboot@14")};
+  ServoBench bench(params, drive(options));
+  bench.reset();
+  bench.run(kServoSecond);
+  EXPECT_EQ(bench.session().state(), TiltState::kHoming) << "it waits for leave to move";
+  EXPECT_TRUE(bench.heard().samples.empty()) << "angles mean nothing yet";
+  bench.command(TiltCommand::kLevel);
+  EXPECT_GT(bench.run_until(TiltState::kLevel, 6 * kServoSecond), 0);
+  EXPECT_NEAR(bench.servo().angle_rad(), 0.0, 1e-3) << "its zero is where the switch was";
+  for (const TiltSample& sample : bench.heard().samples) {
+    ASSERT_NEAR(sample.angle_rad, 0.0, 0.01);
+  }
+  int homings = 0;
+  bool homing = false;
+  bench.run_until(
+      [&] {
+        homings += !homing && bench.session().state() == TiltState::kHoming ? 1 : 0;
+        homing = bench.session().state() == TiltState::kHoming;
+        return false;
+      },
+      15 * kServoSecond);
+  EXPECT_EQ(homings, 1) << "after the reboot, not after the silence";
+}
+
+TEST(Cia402Session, GivesAHomingUpThatNeverEnds) {
+  TiltParams params = can_params();
+  params.homing_method = 17;
+  params.homing_timeout_ns = kServoSecond;
+  ServoBench bench(params, faults_of("stall@0"));
+  bench.reset();
+  bench.run(3 * kServoSecond);
+  EXPECT_TRUE(bench.heard().has(TiltEventType::kLost, Errc::kHomingFailed));
+}
+
+TEST(Cia402Session, RefusesANodeThatIsNoDrive) {
+  ServoBench bench(can_params());
+  bench.to_session = [](std::vector<ServoFrame>& frames) {
+    for (ServoFrame& frame : frames) {
+      CanFrame changed = *to_can_frame(frame);
+      if (changed.id == 0x581 && canopen::get(changed, 1, 2) == 0x1000) {
+        canopen::put(changed, 4, 0x00030191, 4);  // an input and output module
+      }
+      frame = bytes_of(changed);
+    }
+  };
+  bench.reset();
+  bench.run(kServoSecond);
+  EXPECT_TRUE(bench.heard().has(TiltEventType::kLost, Errc::kWrongDevice));
+  EXPECT_EQ(bench.session().state(), TiltState::kBringUp);
+}
+
+TEST(Cia402Session, TellsWhatADriveRefuses) {
+  ServoBench bench(can_params());
+  bench.to_session = [](std::vector<ServoFrame>& frames) {
+    for (ServoFrame& frame : frames) {
+      const CanFrame reply = *to_can_frame(frame);
+      if (reply.id == 0x581 && canopen::get(reply, 1, 2) == 0x6081) {
+        frame = bytes_of(data_frame(0x581, {0x80, 0x81, 0x60, 0, 0x30, 0, 0x09, 0x06}));
+      } else if (reply.id == 0x581 && canopen::get(reply, 1, 2) == 0x605A) {
+        frame = bytes_of(data_frame(0x581, {0x80, 0x5A, 0x60, 0, 0, 0, 0x02, 0x06}));
+      }
+    }
+  };
+  bench.reset();
+  bench.run(200 * kServoMs);
+  ASSERT_GE(bench.heard().events.size(), 1U);
+  EXPECT_EQ(bench.heard().events[0].type, TiltEventType::kDeviceError);
+  EXPECT_EQ(bench.heard().events[0].code, 0x06090030);
+}
+
+TEST(Cia402Session, ComesBackAfterSomebodyElseStoppedTheNode) {
+  for (const auto command : {canopen::NmtCommand::kStop, canopen::NmtCommand::kPreOperational,
+                             canopen::NmtCommand::kResetNode, canopen::NmtCommand::kResetCommunication}) {
+    ServoBench bench(can_params());
+    bench.reset();
+    bench.run(2 * kServoSecond);
+    bench.servo().receive(as_bytes(canopen::nmt(command, 0)), bench.now_ns());
+    EXPECT_GE(bench.run_until(TiltState::kBringUp, 300 * kServoMs), 0);
+    EXPECT_GE(bench.run_until(TiltState::kLevel, kServoSecond), 0);
+  }
+}
+
+TEST(Cia402Session, LosesABusThatIsOffAndComesBackWithinASecond) {
+  ServoBench bench(can_params());
+  bench.reset();
+  bench.run(2 * kServoSecond);
+  ASSERT_EQ(bench.session().state(), TiltState::kLevel);
+  const CanFrame bus_off = data_frame(CanFrame::kErrorFlag | CanFrame::kErrorBusOff, {0, 0, 0, 0, 0, 0, 0, 0});
+  bench.session().receive(as_bytes(bus_off), bench.now_ns(), bench.heard());
+  EXPECT_EQ(bench.session().state(), TiltState::kBringUp);
+  EXPECT_TRUE(bench.heard().has(TiltEventType::kBusError, Errc::kBusOff));
+  const auto cut = [](std::vector<ServoFrame>& frames) { frames.clear(); };
+  bench.to_session = cut;
+  bench.to_servo = cut;
+  bench.run(2 * kServoSecond);
+  bench.to_session = bench.to_servo = [](std::vector<ServoFrame>&) {};
+  const CanFrame restarted = data_frame(CanFrame::kErrorFlag | CanFrame::kErrorRestarted, {0, 0, 0, 0, 0, 0, 0, 0});
+  bench.session().receive(as_bytes(restarted), bench.now_ns(), bench.heard());
+  EXPECT_GE(bench.run_until(TiltState::kLevel, kServoSecond), 0);
+}
+
+TEST(Cia402Session, ALinkThatWasDownComesBackWithinASecond) {
+  for (const std::int64_t down_ms : {100, 300, 1000, 4000}) {
+    ServoBench bench(can_params());
+    bench.reset();
+    bench.run(2 * kServoSecond);
+    bench.to_session = bench.to_servo = [](std::vector<ServoFrame>& frames) { frames.clear(); };
+    bench.run(down_ms * kServoMs);
+    bench.to_session = bench.to_servo = [](std::vector<ServoFrame>&) {};
+    const std::size_t before = bench.heard().samples.size();
+    const auto is_back = [&] {
+      return bench.session().state() == TiltState::kLevel && bench.heard().samples.size() > before;
+    };
+    EXPECT_GE(bench.run_until(is_back, kServoSecond), 0) << down_ms << " ms";
+  }
+}
+
+TEST(Cia402Session, AStampIsThatOfTheSyncOnTheBus) {
+  ServoBench bench(can_params());
+  bench.reset();
+  bench.run(kServoSecond);
+  const std::int64_t sync_ns = bench.now_ns() + 2 * kServoMs;
+  bench.session().receive(as_bytes(canopen::sync()), sync_ns, bench.heard());
+  const std::size_t before = bench.heard().samples.size();
+  const CanFrame status = data_frame(0x181, {0x37, 0x06, 0, 0, 0, 0, 1});
+  bench.session().receive(as_bytes(status), sync_ns + kServoMs, bench.heard());
+  ASSERT_EQ(bench.heard().samples.size(), before + 1);
+  EXPECT_EQ(bench.heard().samples.back().stamp_ns, sync_ns);
+  EXPECT_EQ(bench.heard().samples.back().arrival_ns, sync_ns + kServoMs);
+  bench.session().receive(as_bytes(status), sync_ns + kServoMs + 1, bench.heard());
+  EXPECT_EQ(bench.heard().samples.size(), before + 1) << "a frame twice is one angle";
+}
+
+TEST(Cia402Session, HeedsNoFramesOfOthers) {
+  ServoBench bench(can_params());
+  bench.reset();
+  bench.run(kServoSecond);
+  const TiltCounters before = bench.session().counters();
+  Rng rng(8);
+  for (int i = 0; i < 10'000; ++i) {
+    CanFrame frame = data_frame(rng.below(0x800), {0, 1, 2, 3, 4, 5, 6, 7});
+    if ((frame.id & 0x7FU) == 1 || frame.id == 0x80) {
+      frame.id = 0;
+    }
+    frame.id |= rng.below(4) == 0 ? CanFrame::kRemoteFlag : 0U;
+    bench.session().receive(as_bytes(frame), bench.now_ns(), bench.heard());
+  }
+  EXPECT_EQ(bench.session().counters().rejected, before.rejected);
+  EXPECT_EQ(bench.session().state(), TiltState::kLevel);
+}
+
+// Frames dropped, doubled, put out of order or changed in any byte: at most that frame's angle is lost, and none is
+// passed on that cannot be.
+TEST(Cia402Session, DamagedFramesCostAtMostTheirOwnAngle) {
+  Rng rng(12);
+  for (int round = 0; round < 400; ++round) {
+    TiltParams params = can_params();
+    ServoBench bench(params);
+    bench.reset();
+    bench.run(1500 * kServoMs);
+    ASSERT_EQ(bench.session().state(), TiltState::kLevel);
+    const std::size_t before = bench.heard().samples.size();
+    int left = 1;
+    bench.to_session = [&](std::vector<ServoFrame>& frames) {
+      if (frames.empty() || left-- <= 0) {
+        return;
+      }
+      const std::size_t which = rng.below(static_cast<std::uint32_t>(frames.size()));
+      switch (round % 4) {
+        case 0:
+          frames.erase(frames.begin() + static_cast<std::ptrdiff_t>(which));
+          return;
+        case 1:
+          frames.insert(frames.begin() + static_cast<std::ptrdiff_t>(which), frames[which]);
+          return;
+        case 2:
+          std::reverse(frames.begin(), frames.end());
+          return;
+        default:  // position and velocity: a status word that is changed so that it is another one counts as that
+          const std::size_t at = 8 + 2 + rng.below(4);
+          frames[which][at] ^= static_cast<std::byte>(1 + rng.below(255));
+      }
+    };
+    bench.run(400 * kServoMs);
+    EXPECT_GE(bench.heard().samples.size() + 1, before + 40);
+    EXPECT_EQ(bench.session().state(), TiltState::kLevel) << round;
+    for (const TiltSample& sample : bench.heard().samples) {
+      ASSERT_NEAR(sample.angle_rad, bench.true_angle_rad(sample.stamp_ns), 0.06) << round;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace odoless

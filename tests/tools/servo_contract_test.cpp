@@ -1,0 +1,311 @@
+// What every TiltSession owes, over both protocols and their emulated servos.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "drivers/tilt/tilt_history.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/tools/servo_support.hpp"
+
+namespace odoless {
+namespace {
+
+using test::kServoMs;
+using test::kServoSecond;
+using test::servo_params;
+using test::ServoBench;
+
+constexpr double kResolutionRad = 0.0016;  ///< 4096 steps per turn
+
+std::vector<Fault> faults_of(const std::string& text) { return {parse_fault(text)}; }
+
+class TiltContract : public ::testing::TestWithParam<TiltDriver> {
+ protected:
+  [[nodiscard]] static TiltParams params() { return servo_params(GetParam()); }
+};
+
+void expect_samples_true(ServoBench& bench, double error_max_rad) {
+  std::int64_t last_ns = 0;
+  for (const TiltSample& sample : bench.heard().samples) {
+    ASSERT_GT(sample.stamp_ns, last_ns);
+    ASSERT_LE(sample.stamp_ns, sample.arrival_ns);
+    ASSERT_NEAR(sample.angle_rad, bench.true_angle_rad(sample.stamp_ns), error_max_rad);
+    last_ns = sample.stamp_ns;
+  }
+}
+
+TEST_P(TiltContract, ComesToTheLevelPoseAndHoldsIt) {
+  ServoBench bench(params());
+  bench.reset();
+  EXPECT_GT(bench.run_until(TiltState::kLevel, 3 * kServoSecond), 0);
+  bench.run(2 * kServoSecond);
+  EXPECT_EQ(bench.session().state(), TiltState::kLevel);
+  EXPECT_NEAR(bench.angle_rad(), 0.0, kResolutionRad);
+  EXPECT_EQ(bench.heard().count(TiltEventType::kReady), 1);
+  EXPECT_EQ(bench.heard().events.size(), 1U);
+  EXPECT_NEAR(static_cast<double>(bench.heard().samples.size()), 200.0, 120.0);
+  EXPECT_EQ(bench.session().counters().rejected, 0U);
+  EXPECT_EQ(bench.session().counters().samples, bench.heard().samples.size());
+  expect_samples_true(bench, 0.02);
+}
+
+TEST_P(TiltContract, TurnsAnglesRoundAndMovesTheirZeroAsConfigured) {
+  TiltParams inverted = params();
+  inverted.inverted = true;
+  inverted.level_angle_rad = 0.3;
+  ServoBench bench(inverted);
+  bench.reset();
+  ASSERT_GT(bench.run_until(TiltState::kLevel, 3 * kServoSecond), 0);
+  bench.run(500 * kServoMs);
+  EXPECT_NEAR(bench.servo().angle_rad(), 0.3, kResolutionRad);
+  expect_samples_true(bench, 0.02);
+  bench.command(TiltCommand::kSweep);
+  bench.run(3 * kServoSecond);
+  expect_samples_true(bench, 0.02);
+}
+
+TEST_P(TiltContract, NodsBetweenTheEndsOfTheSweepWithinTheLimits) {
+  TiltParams sweeping = params();
+  sweeping.at_start = TiltCommand::kSweep;
+  sweeping.sweep_from_rad = -2.0;  // beyond the limit
+  sweeping.limit_min_rad = -0.6;
+  ServoBench bench(sweeping);
+  bench.reset();
+  ASSERT_GT(bench.run_until(TiltState::kSweeping, 3 * kServoSecond), 0);
+  const std::size_t first = bench.truth().size();
+  bench.run(10 * kServoSecond);
+  double low_rad = 0.0;
+  double high_rad = 0.0;
+  int turns = 0;
+  double last_rad = 0.0;
+  for (std::size_t i = first; i < bench.truth().size(); ++i) {
+    const double angle_rad = bench.truth()[i].angle_rad;
+    low_rad = std::min(low_rad, angle_rad);
+    high_rad = std::max(high_rad, angle_rad);
+    turns += last_rad <= 0.0 && angle_rad > 0.0 ? 1 : 0;
+    last_rad = angle_rad;
+  }
+  EXPECT_NEAR(low_rad, -0.6, 0.02);
+  EXPECT_GE(low_rad, -0.6 - kResolutionRad);
+  EXPECT_NEAR(high_rad, params().sweep_to_rad, 0.02);
+  EXPECT_GE(turns, 3);
+  EXPECT_EQ(bench.session().counters().stalls, 0U);
+  expect_samples_true(bench, 0.02);
+}
+
+TEST_P(TiltContract, TheAngleOfEachBeamIsFoundBetweenTheSamples) {
+  TiltParams sweeping = params();
+  sweeping.at_start = TiltCommand::kSweep;
+  ServoBench bench(sweeping);
+  bench.reset();
+  bench.run(4 * kServoSecond);
+  TiltHistory history(5 * sweeping.sample_period_ns);
+  for (const TiltSample& sample : bench.heard().samples) {
+    EXPECT_TRUE(history.add(sample.stamp_ns, sample.angle_rad));
+  }
+  const std::int64_t end_ns = bench.heard().samples.back().stamp_ns;
+  for (std::int64_t stamp_ns = end_ns - kServoSecond; stamp_ns < end_ns; stamp_ns += 777'777) {
+    const Result<double> angle_rad = history.angle_rad(stamp_ns);
+    ASSERT_TRUE(angle_rad.ok()) << describe(angle_rad.error());
+    ASSERT_NEAR(angle_rad.value(), bench.true_angle_rad(stamp_ns), 0.005);
+  }
+}
+
+TEST_P(TiltContract, StopsWithin200MsAndStaysSo) {
+  TiltParams sweeping = params();
+  sweeping.at_start = TiltCommand::kSweep;
+  ServoBench bench(sweeping);
+  bench.reset();
+  bench.run(2 * kServoSecond);
+  bench.run_until([&] { return std::abs(bench.servo().velocity_radps()) > 0.9; }, 2 * kServoSecond);
+  bench.command(TiltCommand::kStop);
+  const std::int64_t took_ns = bench.run_until([&] { return bench.servo().velocity_radps() == 0.0; }, kServoSecond);
+  EXPECT_GE(took_ns, 0);
+  EXPECT_LE(took_ns, 200 * kServoMs);
+  const double stopped_rad = bench.angle_rad();
+  bench.run(3 * kServoSecond);
+  EXPECT_EQ(bench.session().state(), TiltState::kStopped);
+  EXPECT_NEAR(bench.angle_rad(), stopped_rad, 0.03);
+  bench.command(TiltCommand::kLevel);
+  EXPECT_GT(bench.run_until(TiltState::kLevel, 2 * kServoSecond), 0);
+}
+
+TEST_P(TiltContract, ToldToStopBeforeItIsThereItDoesNotMove) {
+  TiltParams stopped = params();
+  stopped.at_start = TiltCommand::kStop;
+  ServoBench bench(stopped);
+  const double start_rad = bench.angle_rad();
+  bench.reset();
+  EXPECT_GT(bench.run_until(TiltState::kStopped, 3 * kServoSecond), 0);
+  bench.run(kServoSecond);
+  EXPECT_NEAR(bench.angle_rad(), start_rad, kResolutionRad);
+  EXPECT_GT(bench.heard().samples.size(), 50U);
+}
+
+TEST_P(TiltContract, AStopHoldsThroughAReboot) {
+  TiltParams stopped = params();
+  stopped.at_start = TiltCommand::kStop;
+  ServoBench bench(stopped, faults_of("reboot@1"));
+  bench.reset();
+  bench.run(4 * kServoSecond);
+  EXPECT_EQ(bench.session().state(), TiltState::kStopped);
+  EXPECT_NEAR(bench.angle_rad(), 0.2, kResolutionRad);
+}
+
+TEST_P(TiltContract, AStalledServoIsToldAndStoppedAndTriedAgain) {
+  TiltParams sweeping = params();
+  sweeping.at_start = TiltCommand::kSweep;
+  ServoBench bench(sweeping, faults_of("stall@2:1"));
+  bench.reset();
+  bench.run(2 * kServoSecond);
+  ASSERT_EQ(bench.session().state(), TiltState::kSweeping);
+  const std::int64_t took_ns = bench.run_until(TiltState::kFault, kServoSecond);
+  EXPECT_GT(took_ns, 0);
+  EXPECT_LE(took_ns, 200 * kServoMs);
+  EXPECT_EQ(bench.heard().count(TiltEventType::kStalled), 1);
+  EXPECT_EQ(bench.session().counters().stalls, 1U);
+  EXPECT_GT(bench.run_until(TiltState::kSweeping, 4 * kServoSecond), 0);
+  bench.run(2 * kServoSecond);
+  EXPECT_EQ(bench.session().counters().stalls, 1U);
+}
+
+TEST_P(TiltContract, AServoThatFallsSilentIsToldAndComesBack) {
+  ServoBench bench(params(), faults_of("silence@2:1"));
+  bench.reset();
+  bench.run(1900 * kServoMs);
+  ASSERT_EQ(bench.session().state(), TiltState::kLevel);
+  const std::int64_t took_ns = bench.run_until(TiltState::kBringUp, 2 * kServoSecond);
+  EXPECT_GT(took_ns, 0);
+  EXPECT_LE(took_ns, 450 * kServoMs);
+  EXPECT_EQ(bench.heard().count(TiltEventType::kLost), 1);
+  bench.run(kServoSecond);
+  EXPECT_GE(bench.run_until(TiltState::kLevel, kServoSecond), 0) << "back within a second";
+  EXPECT_EQ(bench.heard().count(TiltEventType::kLost), 1) << "silence is told once";
+  EXPECT_EQ(bench.heard().count(TiltEventType::kReady), 2);
+}
+
+TEST_P(TiltContract, AServoThatStartsAnewIsSetUpAnew) {
+  ServoBench bench(params(), faults_of("reboot@2:0.3"));
+  bench.reset();
+  bench.run(2 * kServoSecond);
+  EXPECT_GT(bench.run_until([&] { return bench.heard().count(TiltEventType::kReady) == 2; }, 3 * kServoSecond), 0);
+  bench.run(kServoSecond);
+  EXPECT_EQ(bench.session().state(), TiltState::kLevel);
+  EXPECT_GE(bench.session().counters().restarts, 1U);
+}
+
+TEST_P(TiltContract, AServoThatReportsAFaultIsToldAndSwitchedOnAgain) {
+  ServoBench bench(params(), faults_of("error=32@2:1"));
+  bench.reset();
+  bench.run(2500 * kServoMs);
+  EXPECT_EQ(bench.session().state(), TiltState::kFault);
+  ASSERT_GE(bench.heard().count(TiltEventType::kDeviceError), 1);
+  const auto error = std::find_if(bench.heard().events.begin(), bench.heard().events.end(),
+                                  [](const TiltEvent& event) { return event.type == TiltEventType::kDeviceError; });
+  EXPECT_EQ(error->code, 32);
+  EXPECT_GT(bench.run_until(TiltState::kLevel, 5 * kServoSecond), 0);
+}
+
+TEST_P(TiltContract, DamagedFramesAreRefusedAndNoWrongAngleIsPassedOn) {
+  ServoBench bench(params(), faults_of("wrong-sum@2:0.04"));
+  bench.reset();
+  bench.run(4 * kServoSecond);
+  EXPECT_GE(bench.session().counters().rejected, 1U);
+  EXPECT_EQ(bench.session().state(), TiltState::kLevel);
+  expect_samples_true(bench, 0.02);
+}
+
+TEST_P(TiltContract, AClockThatDriftsMattersNot) {
+  TiltParams sweeping = params();
+  sweeping.at_start = TiltCommand::kSweep;
+  ServoBench bench(sweeping, faults_of("drift=1000@0"));
+  bench.reset();
+  bench.run(10 * kServoSecond);
+  EXPECT_EQ(bench.session().counters().restarts, 0U);
+  expect_samples_true(bench, 0.02);
+}
+
+TEST_P(TiltContract, AHostThatSleptFindsTheServoStoppedAndGoesOn) {
+  TiltParams sweeping = params();
+  sweeping.at_start = TiltCommand::kSweep;
+  ServoBench bench(sweeping);
+  bench.reset();
+  bench.run(3 * kServoSecond);
+  bench.host_asleep = true;
+  bench.run(kServoSecond);
+  EXPECT_EQ(bench.servo().velocity_radps(), 0.0) << "the servo's own watchdog stops it";
+  bench.host_asleep = false;
+  bench.run(3 * kServoSecond);
+  EXPECT_EQ(bench.session().state(), TiltState::kSweeping);
+  EXPECT_EQ(bench.session().counters().stalls, 0U);
+}
+
+TEST_P(TiltContract, AServoThatIsNotThereCostsNoBusyLoop) {
+  ServoBench bench(params(), faults_of("silence@0"));
+  bench.reset();
+  for (int i = 0; i < 100; ++i) {
+    bench.run(20 * kServoMs);
+    ASSERT_GE(bench.session().next_deadline_ns(), bench.now_ns() - kServoMs) << "or its owner would spin";
+  }
+  EXPECT_EQ(bench.session().state(), TiltState::kBringUp);
+  EXPECT_EQ(bench.heard().count(TiltEventType::kLost), 1) << "silence is told once";
+}
+
+TEST_P(TiltContract, BeforeItsLineIsOpenItWantsNothing) {
+  const auto session = make_tilt_session(params());
+  EXPECT_TRUE(session->transmit().empty());
+  EXPECT_EQ(session->next_deadline_ns(), std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(session->state(), TiltState::kBringUp);
+}
+
+/// Counts, and allocates nothing.
+class Counter final : public TiltSink {
+ public:
+  void on_angle(const TiltSample&) override { ++samples; }
+  void on_event(const TiltEvent&) override { ++events; }
+  int samples = 0;
+  int events = 0;
+};
+
+TEST_P(TiltContract, NothingIsAllocatedAfterConstruction) {
+  if (!AllocationGuard::kWorks) {
+    GTEST_SKIP() << "the sanitizer has malloc";
+  }
+  const std::unique_ptr<EmulatedServo> servo = ServoBench::make_servo(params(), faults_of("stall@1:1"));
+  const auto session = make_tilt_session(params());
+  Counter counter;
+  std::int64_t calls = 0;
+  std::int64_t now_ns = 1000 * kServoSecond;
+  session->reset(now_ns);
+  for (int i = 0; i < 20'000; ++i, now_ns += kServoMs / 4) {
+    servo->tick(now_ns);
+    const std::vector<ServoFrame> replies = servo->take_output();
+    const AllocationGuard guard;
+    for (const ServoFrame& frame : replies) {
+      session->receive(frame, now_ns, counter);
+    }
+    if (i == 10'000) {
+      session->command(TiltCommand::kSweep, now_ns);
+    }
+    session->tick(now_ns, counter);
+    auto bytes = session->transmit();
+    calls += guard.calls();
+    for (; !bytes.empty(); bytes = session->transmit()) {
+      servo->receive(bytes, now_ns);
+    }
+  }
+  EXPECT_EQ(calls, 0);
+  EXPECT_GT(counter.samples, 200);
+  EXPECT_GT(counter.events, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, TiltContract, ::testing::Values(TiltDriver::kCia402, TiltDriver::kDynamixel),
+                         [](const auto& tested) {
+                           return std::string(kTiltDriverNames[static_cast<std::size_t>(tested.param)]);
+                         });
+
+}  // namespace
+}  // namespace odoless

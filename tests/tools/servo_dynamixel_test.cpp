@@ -1,0 +1,161 @@
+// What is particular to Dynamixel servos, against an emulated one.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "drivers/tilt/dynamixel/control_table.hpp"
+#include "tests/tools/servo_support.hpp"
+
+namespace odoless {
+namespace {
+
+using test::kServoMs;
+using test::kServoSecond;
+using test::ServoBench;
+
+TiltParams serial_params() { return test::servo_params(TiltDriver::kDynamixel); }
+
+TEST(DynamixelSession, WritesKeptMemoryOnlyWhereItDiffers) {
+  DynamixelDeviceOptions options;
+  auto servo = std::make_unique<DynamixelDevice>(options, 1000 * kServoSecond);
+  DynamixelDevice& device = *servo;
+  ServoBench bench(serial_params(), std::move(servo));
+  bench.reset();
+  bench.run(kServoSecond);
+  EXPECT_EQ(device.kept_writes(), 3) << "return delay, mode, limits";
+  EXPECT_EQ(device.get(dynamixel::kReturnDelay, 1), 0U);
+  EXPECT_EQ(device.get(dynamixel::kOperatingMode, 1), 3U);
+  EXPECT_EQ(device.get(dynamixel::kPositionMin, 4), 1536U) << "45 deg";
+  EXPECT_EQ(device.get(dynamixel::kPositionMax, 4), 2560U);
+  EXPECT_EQ(device.get(dynamixel::kBusWatchdog, 1), 15U) << "300 ms";
+  EXPECT_EQ(device.get(dynamixel::kProfile + 4, 4), 44U) << "60 deg/s of 0.229 rev/min";
+  bench.reset();
+  bench.run(kServoSecond);
+  EXPECT_EQ(device.kept_writes(), 3);
+  EXPECT_EQ(bench.session().state(), TiltState::kLevel);
+}
+
+TEST(DynamixelSession, ComesUpWhateverItsLevelOfAnswersAndWithEchoes) {
+  for (const std::uint8_t answers : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}}) {
+    for (const bool echoes : {false, true}) {
+      DynamixelDeviceOptions options;
+      options.answers = answers;
+      options.echoes = echoes;
+      ServoBench bench(serial_params(), std::make_unique<DynamixelDevice>(options, 1000 * kServoSecond));
+      bench.reset();
+      EXPECT_GT(bench.run_until(TiltState::kLevel, 2 * kServoSecond), 0);
+      EXPECT_EQ(bench.session().counters().wrong_echoes, 0U);
+      EXPECT_EQ(bench.session().counters().echoes > 0, echoes);
+    }
+  }
+}
+
+TEST(DynamixelSession, AnEchoThatIsNotWhatWasSentIsToldAndTheAngleStaysRight) {
+  DynamixelDeviceOptions options;
+  options.echoes = true;
+  ServoBench bench(serial_params(), std::make_unique<DynamixelDevice>(options, 1000 * kServoSecond));
+  bench.reset();
+  bench.run(kServoSecond);
+  const dynamixel::PacketBytes other = dynamixel::encode(1, dynamixel::Instruction::kPing, {});
+  bench.to_session = [&](std::vector<ServoFrame>& frames) {
+    for (ServoFrame& frame : frames) {
+      if (frame[7] != std::byte{0x55}) {
+        frame.assign(std::as_bytes(other.span()).begin(), std::as_bytes(other.span()).end());
+      }
+    }
+  };
+  bench.run(30 * kServoMs);
+  EXPECT_GE(bench.session().counters().wrong_echoes, 2U);
+  EXPECT_TRUE(bench.heard().has(TiltEventType::kRejected, Errc::kWrongEcho));
+}
+
+TEST(DynamixelSession, AnAnswerOfAnotherServoIsNotTaken) {
+  ServoBench bench(serial_params());
+  bench.reset();
+  bench.run(kServoSecond);
+  const std::size_t before = bench.heard().samples.size();
+  std::vector<std::uint8_t> data(17, 0);
+  const dynamixel::PacketBytes other = dynamixel::encode(2, dynamixel::Instruction::kStatus, data);
+  bench.session().receive(std::as_bytes(other.span()), bench.now_ns(), bench.heard());
+  EXPECT_EQ(bench.heard().samples.size(), before);
+  EXPECT_TRUE(bench.heard().has(TiltEventType::kRejected, Errc::kWrongEcho));
+}
+
+TEST(DynamixelSession, StampsAreTakenBackByTheTimeOnTheLine) {
+  TiltParams params = serial_params();
+  params.baud = 57'600;
+  ServoBench bench(params);
+  bench.reset();
+  bench.run(kServoSecond);
+  const TiltSample& sample = bench.heard().samples.back();
+  // The emulated line is faster than its rate; the stamp is never before the request.
+  EXPECT_LT(sample.stamp_ns, sample.arrival_ns);
+  EXPECT_GE(sample.stamp_ns, sample.arrival_ns - 28 * 10 * kServoSecond / 57'600);
+}
+
+// One byte of the answers flipped, dropped, inserted or doubled, at every offset of a few rounds.
+TEST(DynamixelSession, ADamagedByteCostsAtMostOneAngle) {
+  for (int damage = 0; damage < 4; ++damage) {
+    for (int offset = 0; offset < 90; ++offset) {
+      ServoBench bench(serial_params());
+      bench.reset();
+      bench.run(600 * kServoMs);
+      const std::size_t before = bench.heard().samples.size();
+      int at = offset;
+      bench.to_session = [&](std::vector<ServoFrame>& frames) {
+        for (ServoFrame& frame : frames) {
+          const auto size = static_cast<int>(frame.size());
+          if (at >= 0 && at < size) {
+            const auto byte = frame.begin() + at;
+            if (damage == 0) {
+              *byte ^= std::byte{0x21};
+            } else if (damage == 1) {
+              frame.erase(byte);
+            } else {
+              frame.insert(byte, damage == 2 ? std::byte{0x7E} : *byte);
+            }
+          }
+          at = at < 0 ? at : at - size;
+        }
+      };
+      bench.run(300 * kServoMs);
+      // A lost answer costs the wait for it, here 5 periods.
+      EXPECT_GE(bench.heard().samples.size(), before + 24) << damage << " at " << offset;
+      EXPECT_EQ(bench.session().counters().restarts, 0U);
+      for (const TiltSample& sample : bench.heard().samples) {
+        ASSERT_NEAR(sample.angle_rad, bench.true_angle_rad(sample.stamp_ns), 0.02);
+      }
+    }
+  }
+}
+
+TEST(DynamixelSession, AnySplitOfTheBytesGivesTheSame) {
+  const auto samples = [](std::size_t piece) {
+    ServoBench bench(serial_params());
+    bench.to_session = [&](std::vector<ServoFrame>& frames) {
+      std::vector<ServoFrame> pieces;
+      for (const ServoFrame& frame : frames) {
+        for (std::size_t at = 0; at < frame.size(); at += piece) {
+          pieces.emplace_back(frame.begin() + static_cast<std::ptrdiff_t>(at),
+                              frame.begin() + static_cast<std::ptrdiff_t>(std::min(at + piece, frame.size())));
+        }
+      }
+      frames = pieces;
+    };
+    bench.reset();
+    bench.run(kServoSecond);
+    std::vector<double> angles_rad;
+    for (const TiltSample& sample : bench.heard().samples) {
+      angles_rad.push_back(sample.angle_rad);
+    }
+    return angles_rad;
+  };
+  const std::vector<double> whole = samples(1000);
+  EXPECT_GT(whole.size(), 60U);
+  for (const std::size_t piece : {1U, 2U, 3U, 7U, 13U}) {
+    EXPECT_EQ(samples(piece), whole) << piece;
+  }
+}
+
+}  // namespace
+}  // namespace odoless

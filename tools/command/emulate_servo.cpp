@@ -1,0 +1,117 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <numbers>
+
+#include "rt/cpu_clock.hpp"
+#include "tools/command/emulate.hpp"
+#include "tools/command/error.hpp"
+#include "tools/emulate/cia402_device.hpp"
+#include "tools/emulate/dynamixel_device.hpp"
+#include "tools/emulate/servo_line.hpp"
+
+namespace odoless {
+namespace {
+
+struct EmulateServoOptions {
+  bool cia402 = false;
+  bool dynamixel = false;
+  std::string can;
+  std::string pty;
+  std::string log;
+  int id = 1;
+  double start_deg = 10.0;
+  double home_deg = 0.0;
+  double counts_per_turn = 65'536.0;
+  bool echoes = false;
+  double duration_s = 0.0;  ///< 0: for ever
+  std::vector<std::string> faults;
+};
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+std::vector<Fault> servo_faults(const std::vector<std::string>& texts) {
+  constexpr std::array kKinds{FaultKind::kSilence, FaultKind::kWrongSum, FaultKind::kReboot,
+                              FaultKind::kDrift,   FaultKind::kStall,    FaultKind::kError};
+  std::vector<Fault> faults;
+  for (const std::string& text : texts) {
+    faults.push_back(parse_fault(text));
+    if (std::find(kKinds.begin(), kKinds.end(), faults.back().kind) == kKinds.end()) {
+      throw UsageError(
+          fmt::format("--fault {}: not of a servo; expected silence, wrong-sum, reboot, drift, stall or error", text));
+    }
+  }
+  return faults;
+}
+
+std::unique_ptr<EmulatedServo> make_servo(const EmulateServoOptions& options) {
+  if (options.cia402) {
+    Cia402DeviceOptions device;
+    device.node = options.id;
+    device.counts_per_turn = options.counts_per_turn;
+    device.start_rad = radians(options.start_deg);
+    device.home_rad = radians(options.home_deg);
+    device.faults = servo_faults(options.faults);
+    return std::make_unique<Cia402Device>(std::move(device), monotonic_ns());
+  }
+  DynamixelDeviceOptions device;
+  device.id = options.id;
+  device.start_rad = radians(options.start_deg);
+  device.echoes = options.echoes;
+  device.faults = servo_faults(options.faults);
+  return std::make_unique<DynamixelDevice>(std::move(device), monotonic_ns());
+}
+
+void run(const EmulateServoOptions& options) {
+  if (options.cia402 == options.dynamixel || options.cia402 == options.can.empty() ||
+      options.dynamixel == options.pty.empty()) {
+    throw UsageError("expected either --cia402 --can INTERFACE or --dynamixel --pty PATH");
+  }
+  const std::unique_ptr<EmulatedServo> servo = make_servo(options);
+  const std::unique_ptr<ServoLine> line =
+      options.cia402 ? make_servo_can(options.can, options.log) : make_servo_terminal(options.pty);
+  fmt::print("{}: {} number {}\n", options.cia402 ? options.can : options.pty,
+             options.cia402 ? "CiA 402 drive" : "Dynamixel XM430-W350", options.id);
+  static_cast<void>(std::fflush(stdout));  // a script waits for it
+  emulate_servo(
+      *servo, *line,
+      options.duration_s > 0.0 ? std::llround(options.duration_s * 1e9) : std::numeric_limits<std::int64_t>::max());
+  fmt::print("axis at {:.2f} deg\n", servo->angle_rad() * 180.0 / std::numbers::pi);
+}
+
+}  // namespace
+
+void add_emulate_servo(CLI::App& emulate) {
+  auto options = std::make_shared<EmulateServoOptions>();
+  CLI::App* const command = emulate.add_subcommand("servo", "A servo that tilts the laser, until it is stopped");
+  command->add_flag("--cia402", options->cia402, "A CANopen drive (CiA 402)");
+  command->add_flag("--dynamixel", options->dynamixel, "A Dynamixel of the X series (Protocol 2.0)");
+  command->add_option("--can", options->can, "CAN interface to be on");
+  command->add_option("--pty", options->pty, "Link to make to the line's end for the client");
+  command->add_option("--log", options->log, "File for all frames on the CAN interface (candump -L)");
+  command->add_option("--id", options->id, "Its number on the bus")->check(CLI::Range(1, 127))->capture_default_str();
+  command->add_option("--start-deg", options->start_deg, "Where its axis stands at first")
+      ->check(CLI::Range(-90.0, 90.0))
+      ->capture_default_str();
+  command->add_option("--home-deg", options->home_deg, "Drive: where homing finds the zero")
+      ->check(CLI::Range(-90.0, 90.0))
+      ->capture_default_str();
+  command->add_option("--counts-per-turn", options->counts_per_turn, "Drive: position units per turn")
+      ->check(CLI::Range(16.0, 268'435'456.0))
+      ->capture_default_str();
+  command->add_flag("--echoes", options->echoes, "Dynamixel: send back what comes, as half-duplex adapters do");
+  command->add_option("--duration-s", options->duration_s, "Stop after this time [SIGTERM stops it]")
+      ->check(CLI::Range(0.001, 1e9));
+  command->add_option("--fault", options->faults,
+                      "KIND[=VALUE]@SECONDS[:DURATION] since it was first spoken to, may be repeated; KIND: silence, "
+                      "wrong-sum, reboot, drift=PPM, stall, error=CODE");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace odoless

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+
+#include "drivers/io/can_frame.hpp"
+#include "drivers/tilt/cia402/power_state.hpp"
+#include "tools/emulate/emulated_servo.hpp"
+#include "tools/emulate/object_dictionary.hpp"
+#include "tools/emulate/servo_motor.hpp"
+
+namespace odoless {
+
+struct Cia402DeviceOptions {
+  int node = 1;
+  double counts_per_turn = 65'536.0;
+  double start_rad = 0.2;
+  double home_rad = 0.0;      ///< where homing finds the zero; by another zero than this before
+  bool resumes_stop = true;   ///< has the way back from a quick stop (transition 16)
+  std::vector<Fault> faults;  ///< silence, wrong-sum (frames too short), reboot, drift, stall, error (EMCY code)
+};
+
+/// A CANopen drive (CiA 301, 402): network management, heartbeats both ways, SDO server, mapped PDOs at SYNC, emergency
+/// messages, the power stage's states, profile position and homing.
+class Cia402Device final : public EmulatedServo {
+ public:
+  Cia402Device(Cia402DeviceOptions options, std::int64_t now_ns);
+
+  void receive(std::span<const std::byte> bytes, std::int64_t now_ns) override;
+  void tick(std::int64_t now_ns) override;
+  [[nodiscard]] std::int64_t next_event_ns() const override;
+  [[nodiscard]] std::vector<ServoFrame> take_output() override;
+  [[nodiscard]] double angle_rad() const override;
+  [[nodiscard]] double velocity_radps() const override;
+
+  [[nodiscard]] cia402::PowerState power() const { return power_; }
+  [[nodiscard]] canopen::NodeState node_state() const { return node_state_; }
+  [[nodiscard]] const ObjectDictionary& dictionary() const { return dictionary_; }
+
+ private:
+  void boot(std::int64_t now_ns);
+  void send(const CanFrame& frame);
+  void on_nmt(const CanFrame& frame, std::int64_t now_ns);
+  void on_sync();
+  void on_received_pdo(const CanFrame& frame, int pdo);
+  void send_pdo(int pdo);
+  void on_write(canopen::Object object);
+  void on_control_word(std::uint16_t control_word);
+  void switch_power(std::uint16_t control_word);
+  void on_set_point_bit(bool rises, std::uint16_t control_word);
+  void start_move();
+  void fail(std::uint16_t code);
+  void send_emergency(std::uint16_t code);
+  void follow_faults(std::int64_t now_ns);
+  void follow_motion();
+  void refresh();
+  [[nodiscard]] bool is_silent(std::int64_t now_ns) const;
+  [[nodiscard]] std::uint16_t status_word() const;
+  [[nodiscard]] double slope(std::uint16_t index) const;
+
+  Cia402DeviceOptions options_;
+  ServoTime time_;
+  ObjectDictionary dictionary_;
+  ServoMotor motor_;
+  std::vector<ServoFrame> output_;
+  canopen::NodeState node_state_ = canopen::NodeState::kBootUp;
+  cia402::PowerState power_ = cia402::PowerState::kSwitchOnDisabled;
+  std::uint16_t control_word_ = 0;
+  bool acknowledges_ = false;  ///< the set point, or that homing is attained
+  bool homes_ = false;
+  bool was_rebooted_ = false;
+  bool had_error_ = false;
+  double now_s_ = 0.0;  ///< by its own clock, since power-up
+  double next_heartbeat_s_ = 0.0;
+  double master_heard_s_ = -1.0;  ///< negative: not yet
+  std::int64_t last_tick_ns_ = 0;
+  std::int64_t silent_until_ns_ = 0;
+};
+
+}  // namespace odoless

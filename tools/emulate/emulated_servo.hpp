@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/emulate/faults.hpp"
+
+namespace odoless {
+
+/// What an emulated servo sends at once: a CAN frame, or a packet on a serial line.
+using ServoFrame = std::vector<std::byte>;
+
+/// A servo that isn't there: frames and the host's time in, frames out. Its faults count from the first frame that it
+/// receives.
+class EmulatedServo {
+ public:
+  EmulatedServo() = default;
+  EmulatedServo(const EmulatedServo&) = delete;
+  EmulatedServo& operator=(const EmulatedServo&) = delete;
+  virtual ~EmulatedServo() = default;
+
+  /// On CAN exactly one frame (CanFrame), else any piece of the stream.
+  virtual void receive(std::span<const std::byte> bytes, std::int64_t now_ns) = 0;
+  /// Lets time pass until `now_ns`.
+  virtual void tick(std::int64_t now_ns) = 0;
+  /// When there is something to do by itself; while it moves, often.
+  [[nodiscard]] virtual std::int64_t next_event_ns() const = 0;
+  /// What is to be sent, in order.
+  [[nodiscard]] virtual std::vector<ServoFrame> take_output() = 0;
+
+  /// Where the axis truly is, by the servo's own zero.
+  [[nodiscard]] virtual double angle_rad() const = 0;
+  [[nodiscard]] virtual double velocity_radps() const = 0;
+};
+
+/// The time of an emulated servo: the host's, as its faults bend it.
+class ServoTime {
+ public:
+  ServoTime(std::vector<Fault> faults, std::int64_t now_ns) : faults_(std::move(faults)), last_ns_(now_ns) {}
+
+  /// Somebody speaks to the servo.
+  void start(std::int64_t now_ns) { start_ns_ = start_ns_ < 0 ? now_ns : start_ns_; }
+  /// The fault of that kind that is active, or null.
+  [[nodiscard]] const Fault* fault(FaultKind kind, std::int64_t now_ns) const {
+    return start_ns_ < 0 ? nullptr : active_fault(faults_, kind, now_ns - start_ns_);
+  }
+  /// How much of its own time has passed since the last call.
+  [[nodiscard]] double elapsed_s(std::int64_t now_ns) {
+    const Fault* const drift = fault(FaultKind::kDrift, now_ns);
+    const double host_s = static_cast<double>(now_ns - last_ns_) * 1e-9;
+    last_ns_ = now_ns;
+    return host_s * (1.0 + (drift == nullptr ? 0.0 : drift->value * 1e-6));
+  }
+
+ private:
+  std::vector<Fault> faults_;
+  std::int64_t start_ns_ = -1;
+  std::int64_t last_ns_;
+};
+
+}  // namespace odoless
