@@ -1,6 +1,10 @@
 #include "drivers/lrf/make_lrf_session.hpp"
 
+#include <sys/ioctl.h>
+
+#include "drivers/lrf/rplidar/rplidar_session.hpp"
 #include "drivers/lrf/scip/scip_session.hpp"
+#include "drivers/lrf/sick/sick_session.hpp"
 
 namespace odoless {
 
@@ -9,6 +13,10 @@ std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_
   switch (params.driver) {
     case LrfDriver::kScip:
       return std::make_unique<ScipSession>(params, beams_max);
+    case LrfDriver::kSick:
+      return std::make_unique<SickSession>(params, beams_max);
+    case LrfDriver::kRplidar:
+      return std::make_unique<RplidarSession>(params, beams_max);
     case LrfDriver::kLcm:
       break;
   }
@@ -17,7 +25,13 @@ std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_
 }
 
 Result<FileDescriptor> open_lrf_line(const LrfParams& params) {
-  return open_serial({.path = params.device, .baud = params.baud});
+  Result<FileDescriptor> line = open_serial({.path = params.device, .baud = params.baud});
+  if (line.ok() && params.driver == LrfDriver::kRplidar) {
+    // The A1's motor turns while this signal is off, and opening the line has put it on. Lines without it don't mind.
+    const int data_terminal_ready = TIOCM_DTR;
+    static_cast<void>(::ioctl(line.value().get(), TIOCMBIC, &data_terminal_ready));
+  }
+  return line;
 }
 
 }  // namespace odoless

@@ -13,7 +13,7 @@ struct HealthParams {
   double silent_periods = 1.75;
   std::int64_t fault_after_ns = 1'000'000'000;
   int poor_matches = 3;
-  double weak_information_1_m2 = 0.5;
+  double weak_information_1_m2 = 15.0;
   std::int64_t deadline_memory_ns = 5'000'000'000;
 
   template <class Self, class Visitor>

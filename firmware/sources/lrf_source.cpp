@@ -87,6 +87,7 @@ void LrfSource::on_scan(const LrfScan& scan) {
   raw.stamp_ns = scan.stamp_ns;
   raw.start_angle_rad = scan.start_angle_rad;
   raw.angle_step_rad = scan.angle_step_rad;
+  raw.beam_period_ns = params_.deskew ? scan.beam_period_ns : 0;
   raw.ranges_m = scan.ranges_m;
   sink_->on_scan(raw);
 }

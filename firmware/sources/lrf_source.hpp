@@ -64,6 +64,10 @@ class LrfSource final : public ScanSource, private LrfSink {
 class LrfKeeper {
  public:
   LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor);
+  LrfKeeper(const LrfKeeper&) = delete;
+  LrfKeeper& operator=(const LrfKeeper&) = delete;
+  LrfKeeper(LrfKeeper&&) = delete;
+  LrfKeeper& operator=(LrfKeeper&&) = delete;
   ~LrfKeeper();
 
   /// Does what is due. @return kOk while the line is open or nothing was tried, else why it could not be opened.

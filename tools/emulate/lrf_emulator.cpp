@@ -29,7 +29,7 @@ std::int64_t epoch_offset_ns() {
 
 class Emulation {
  public:
-  Emulation(ScipDevice& device, const ScanSource& source, const PseudoTerminal& line, const std::string& truth)
+  Emulation(EmulatedLrf& device, const ScanSource& source, const PseudoTerminal& line, const std::string& truth)
       : device_(device), source_(source), line_(line) {
     if (!truth.empty()) {
       truth_.open(truth);
@@ -42,6 +42,7 @@ class Emulation {
   /// One round: what the client sent, what is due, and what the line takes.
   void step(bool has_client) {
     const std::int64_t now_ns = monotonic_ns();
+    device_.set_line_baud(line_.baud());
     if (const std::string bytes = has_client ? line_.read() : std::string(); !bytes.empty()) {
       device_.receive(bytes, now_ns);
     }
@@ -91,7 +92,8 @@ class Emulation {
   }
 
   void tell_truth(const SentScan& scan) {
-    const std::optional<Pose2> world_T_robot = source_.world_T_robot(scan.index);
+    const std::optional<Pose2> world_T_robot =
+        source_.world_T_robot(device_.source_time_ns(scan.first_beam_ns).value_or(0));
     if (!truth_.is_open() || !world_T_robot) {
       return;
     }
@@ -105,7 +107,7 @@ class Emulation {
     }
   }
 
-  ScipDevice& device_;
+  EmulatedLrf& device_;
   const ScanSource& source_;
   const PseudoTerminal& line_;
   std::ofstream truth_;
@@ -131,7 +133,7 @@ void wait(const PseudoTerminal& line, const Emulation& emulation, bool has_clien
 
 }  // namespace
 
-LrfEmulation emulate_lrf(ScipDevice& device, const ScanSource& source, const PseudoTerminal& line,
+LrfEmulation emulate_lrf(EmulatedLrf& device, const ScanSource& source, const PseudoTerminal& line,
                          const LrfEmulatorOptions& options, const std::function<void()>& on_end) {
   const StopSignals signals;
   Emulation emulation(device, source, line, options.truth);

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "drivers/io/serial_port.hpp"
 #include "tools/command/error.hpp"
 
 namespace odoless {
@@ -63,6 +64,8 @@ bool PseudoTerminal::has_client() const {
   pollfd line{.fd = device_.get(), .events = POLLIN, .revents = 0};
   return ::poll(&line, 1, 0) >= 0 && (line.revents & POLLHUP) == 0;
 }
+
+int PseudoTerminal::baud() const { return serial_baud(device_.get()); }
 
 std::string PseudoTerminal::read() const {
   std::array<char, 4096> bytes{};

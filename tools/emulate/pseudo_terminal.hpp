@@ -25,6 +25,9 @@ class PseudoTerminal {
   /// Whether a client has the line open.
   [[nodiscard]] bool has_client() const;
 
+  /// The rate that the client has set; 0: none of the standard ones.
+  [[nodiscard]] int baud() const;
+
   /// What the client has sent; empty: nothing.
   [[nodiscard]] std::string read() const;
 
