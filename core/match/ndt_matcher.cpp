@@ -10,15 +10,14 @@ namespace {
 
 constexpr int kReturns_min = 8;
 constexpr int kProbe_steps = 30;
+constexpr double kPoints_per_fact = 5.0;   // neighbouring points err together: the same wall, the same cell
 constexpr double kInformation_min = 1e-3;  // per return: keeps the covariance of a direction without hold finite
 
-// Covariance of a peak by the sandwich H^-1 G H^-1 of its curvature H and the spread G of the points' gradients.
+// Covariance of a peak: the inverse of what the walls hold.
 Eigen::Matrix3d peak_covariance(const NdtDerivatives& peak, int points) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(-peak.hessian);
-  const Eigen::Vector3d curvature = axes.eigenvalues().cwiseMax(kInformation_min * points);
-  const Eigen::Matrix3d inverse =
-      axes.eigenvectors() * curvature.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose();
-  return inverse * peak.gradient_spread * inverse;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(peak.held / kPoints_per_fact);
+  const Eigen::Vector3d information = axes.eigenvalues().cwiseMax(kInformation_min * points);
+  return axes.eigenvectors() * information.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose();
 }
 
 }  // namespace
