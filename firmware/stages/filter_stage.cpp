@@ -5,7 +5,7 @@
 namespace odoless {
 
 FilterStage::FilterStage(const RobotParams& params, std::uint64_t seed)
-    : gate_(params.gate), filter_(params.slam, seed) {}
+    : gate_(params.gate), filter_(params.slam, params.scan, seed) {}
 
 bool FilterStage::gate_is_open() const {
   return !started_ || std::hypot(update_T_scan_.x_m, update_T_scan_.y_m) >= gate_.distance_m ||
@@ -44,7 +44,9 @@ FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step)
   }
   out.update_stamp_ns = update_stamp_ns_;
   out.update_T_scan = update_T_scan_;
-  out.map_T_scan = filter_.pose(filter_.best()) * update_T_scan_;
+  filter_.work();
+  out.map_T_scan = filter_.map_T_scan() * update_T_scan_;
+  out.map_T_odom = out.map_T_scan * step.odom_T_scan.inverse();
   return out;
 }
 
