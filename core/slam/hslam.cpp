@@ -105,8 +105,8 @@ void Hslam::weigh(int particle) {
   if (!started_) {
     return;
   }
-  const double width = rng_.uniform() < params_.wide_share ? params_.wide_factor : 1.0;
-  const Pose2 drawn{width * rng_.normal(), width * rng_.normal(), width * rng_.normal()};
+  const double factor = rng_.uniform() < params_.wide_share ? params_.wide_factor : 1.0;
+  const Pose2 drawn{factor * rng_.normal(), factor * rng_.normal(), factor * rng_.normal()};
   const auto posterior = [&](const Pose2& deviations) {
     const Eigen::Vector3d z(deviations.x_m, deviations.y_m, deviations.yaw_rad);
     motion.drift = drift_root_ * z;
