@@ -5,7 +5,7 @@
 namespace odoless {
 
 FilterStage::FilterStage(const RobotParams& params, std::uint64_t seed)
-    : gate_(params.gate), filter_(params.slam, seed) {}
+    : gate_(params.gate), filter_(params.slam, params.scan, seed) {}
 
 bool FilterStage::gate_is_open() const {
   return !started_ || std::hypot(update_T_scan_.x_m, update_T_scan_.y_m) >= gate_.distance_m ||
@@ -42,19 +42,21 @@ FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step)
     update_T_scan_ = Pose2{};
     covariance_.setZero();
   }
-  return placed(out);
+  filter_.work();
+  return placed(out, step);
 }
 
 FilterStep FilterStage::process(const OdometryStep& step) {
   compose(step);
-  return placed({});
+  return placed({}, step);
 }
 
-FilterStep FilterStage::placed(FilterStep step) const {
-  step.update_stamp_ns = update_stamp_ns_;
-  step.update_T_scan = update_T_scan_;
-  step.map_T_scan = filter_.pose(filter_.best()) * update_T_scan_;
-  return step;
+FilterStep FilterStage::placed(FilterStep out, const OdometryStep& step) const {
+  out.update_stamp_ns = update_stamp_ns_;
+  out.update_T_scan = update_T_scan_;
+  out.map_T_scan = filter_.map_T_scan() * update_T_scan_;
+  out.map_T_odom = out.map_T_scan * step.odom_T_scan.inverse();
+  return out;
 }
 
 void FilterStage::reset(const Pose2& map_T_scan) {
