@@ -11,6 +11,16 @@ bool is_finite(const Pose2& pose) {
   return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.yaw_rad);
 }
 
+Pose2 pose_of(const MotionError::Vector& error) { return {error(0), error(1), error(2)}; }
+
+MotionError::Vector draw(Rng& rng) {
+  MotionError::Vector normals;
+  for (int i = 0; i < MotionError::kSize; ++i) {
+    normals(i) = rng.normal();
+  }
+  return normals;
+}
+
 }  // namespace
 
 Lslam::Lslam(const LslamParams& params, std::uint64_t seed)
@@ -22,6 +32,8 @@ Lslam::Lslam(const LslamParams& params, std::uint64_t seed)
       wanted_particles_(params.particles) {
   ODOLESS_CHECK(parameters_in_range(params));
   scores_.resize(static_cast<std::size_t>(params.particles));
+  errors_.resize(scores_.size());
+  old_errors_.resize(scores_.size());
   beams_.reserve(static_cast<std::size_t>(params.beams_used));
   reset({});
 }
@@ -30,6 +42,7 @@ void Lslam::reset(const Pose2& map_T_scan) {
   ODOLESS_CHECK(is_finite(map_T_scan));
   particles_.reset(map_T_scan);
   speed_.reset();
+  errors_[0].setZero();
   started_ = pool_was_full_ = false;
 }
 
@@ -62,6 +75,8 @@ UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& sc
   }
   map_scan(scan, report.resampled);
   if (report.resampled) {
+    errors_.swap(old_errors_);
+    particles_.multiply_alike<MotionError::Vector>(old_errors_, errors_);
     particles_.multiply();
   }
   count(before, thinned_before, report);
@@ -70,16 +85,19 @@ UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& sc
 
 std::size_t Lslam::memory_bytes() const {
   return sizeof(*this) + particles_.memory_bytes() + scores_.capacity() * sizeof(double) +
-         beams_.capacity() * sizeof(Beam);
+         (errors_.capacity() + old_errors_.capacity()) * sizeof(MotionError::Vector) + beams_.capacity() * sizeof(Beam);
 }
 
 void Lslam::move(const MotionIncrement& increment, UpdateReport& report) {
   ODOLESS_CHECK(is_finite(increment.previous_T_current));
-  const AxisDeviations match{increment.sd_x_m, increment.sd_y_m, increment.sd_yaw_rad};
+  const MotionError::Matrix root = root_of(increment.error.noise);
   report.lambda_m = speed_.lambda_m(increment);
   for (int particle = 0; particle < particles(); ++particle) {
     Pose2& pose = particles_.pose(particle);
-    pose = motion_.sample(pose, increment.previous_T_current, report.lambda_m, match, rng_);
+    MotionError::Vector& error = errors_[static_cast<std::size_t>(particle)];
+    const Pose2 map_T_tracked = pose * pose_of(error).inverse();
+    error = increment.error.carried * error + root * draw(rng_);
+    pose = motion_.sample(map_T_tracked, increment.previous_T_current, report.lambda_m, rng_) * pose_of(error);
   }
   speed_.add(increment);
 }

@@ -53,6 +53,15 @@ class ParticleMaps {
   /// Takes the maps and paths of the particles that do not go on.
   void retain();
   [[nodiscard]] bool survives(int particle) const { return copies_[static_cast<std::size_t>(particle)] > 0; }
+  /// Copies what another keeps of the particles as `multiply` will copy the particles; before it.
+  template <class Value>
+  void multiply_alike(const std::vector<Value>& from, std::vector<Value>& to) const {
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(size()); ++i) {
+      std::fill_n(to.begin() + static_cast<std::ptrdiff_t>(next), copies_[i], from[i]);
+      next += static_cast<std::size_t>(copies_[i]);
+    }
+  }
   /// Replaces every survivor by its copies, all of the same weight.
   void multiply();
 

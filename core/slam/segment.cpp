@@ -33,9 +33,9 @@ void Segment::add(const MotionIncrement& increment, const ScanFrame& scan) {
   const double c = std::cos(start_T_last_.yaw_rad);
   const double s = std::sin(start_T_last_.yaw_rad);
   turn.topLeftCorner<2, 2>() << c, -s, s, c;
-  const Eigen::Vector3d variances(share * std::pow(increment.sd_x_m, 2) + variance_m2,
-                                  share * std::pow(increment.sd_y_m, 2) + variance_m2,
-                                  share * std::pow(increment.sd_yaw_rad, 2) + variance_rad2);
+  const Eigen::Vector3d variances(share * increment.error.noise(0, 0) + variance_m2,
+                                  share * increment.error.noise(1, 1) + variance_m2,
+                                  share * increment.error.noise(2, 2) + variance_rad2);
   // What the heading was off before turns this motion.
   Eigen::Matrix3d lever = Eigen::Matrix3d::Identity();
   lever(0, 2) = start_T_last_.y_m - start_T_next.y_m;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 
@@ -60,7 +59,7 @@ class FilterStage {
   GateParams gate_;
   Slam filter_;
   Pose2 update_T_scan_{};
-  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  ///< of update_T_scan_, axes of the update's scan
+  MotionError error_{};  ///< of update_T_scan_
   std::int64_t update_stamp_ns_ = 0;
   bool started_ = false;
   bool paused_ = false;

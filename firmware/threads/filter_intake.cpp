@@ -33,6 +33,7 @@ OdometryStep FilterIntake::step_of(const MotionRecord& motion) const {
     step.previous_T_current = odom_T_last_.inverse() * motion.odom_T_scan;
     step.covariance *= own_s > 0.0 ? whole_s / own_s : 1.0;
   }
+  step.error = MotionError::independent(step.covariance);
   return step;
 }
 
