@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
+
+#include "core/base/rng.hpp"
+#include "core/geometry/pose2.hpp"
 
 namespace odoless {
 
@@ -34,19 +36,20 @@ struct MotionError {
 };
 
 /// Lower triangle L with L L^T = covariance, which may be singular.
-[[nodiscard]] inline MotionError::Matrix root_of(const MotionError::Matrix& covariance) {
-  MotionError::Matrix root = MotionError::Matrix::Zero();
-  for (int j = 0; j < MotionError::kSize; ++j) {
-    const double left = covariance(j, j) - root.row(j).head(j).squaredNorm();
-    if (left <= 1e-18) {
-      continue;
-    }
-    root(j, j) = std::sqrt(left);
-    for (int i = j + 1; i < MotionError::kSize; ++i) {
-      root(i, j) = (covariance(i, j) - root.row(i).head(j).dot(root.row(j).head(j))) / root(j, j);
-    }
-  }
-  return root;
-}
+[[nodiscard]] MotionError::Matrix root_of(const MotionError::Matrix& covariance);
+
+/// What a particle takes the tracker to be off by.
+///
+/// Thread: owned by one thread. Real time: no allocation.
+class DrawnError {
+ public:
+  /// Goes on over a motion, with `noise_root` that of its noise: five normal numbers.
+  void advance(const MotionError& motion, const MotionError::Matrix& noise_root, Rng& rng);
+  /// tracked_T_true.
+  [[nodiscard]] Pose2 pose() const { return {error_(0), error_(1), error_(2)}; }
+
+ private:
+  MotionError::Vector error_ = MotionError::Vector::Zero();
+};
 
 }  // namespace odoless

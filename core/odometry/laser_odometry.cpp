@@ -29,6 +29,8 @@ LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const MatcherPar
       keys_(static_cast<std::size_t>(params.key_scans), KeyScan{ScanFrame(scan), {}}),
       placed_(static_cast<std::size_t>(params.key_scans)) {
   ODOLESS_CHECK(parameters_in_range(params));
+  covariance_.bottomRightCorner<2, 2>().diagonal().setConstant(0.5 * params.speed_error_max_mps *
+                                                               params.speed_error_max_mps);
 }
 
 OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, Rng& rng) {
@@ -47,18 +49,26 @@ OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadl
   step.matched = match.ok();
   step.match = match.ok() ? match.value() : MatchResult{};
   step.odom_T_scan = prediction.odom_T_scan;
-  step.error = prediction.error;
+  step.error = started_ ? prediction.error : MotionError{};  // the first scan is where the run begins
   if (step.matched) {
     correct(prediction, odom_T_key, step);
   }
   step.previous_T_current = odom_T_scan_.inverse() * step.odom_T_scan;
-  step.covariance = turned(step.error.noise.topLeftCorner<3, 3>(), step.previous_T_current.yaw_rad);
+  step.covariance = increment_covariance(prediction, step);
   remember(step, period_s);
   if (reference_.empty() || (odom_T_key.inverse() * odom_T_scan_).distance_m({}) > params_.key_distance_m ||
       std::abs(wrap_angle(odom_T_scan_.yaw_rad - odom_T_key.yaw_rad)) > params_.key_rotation_rad) {
     add_key(scan, odom_T_scan_);
   }
   return step;
+}
+
+// Of the motion alone, whatever the pose before was off by: what the error gained or lost.
+Eigen::Matrix3d LaserOdometry::increment_covariance(const Prediction& prediction, const OdometryStep& step) const {
+  Eigen::Matrix<double, 3, 5> gained = step.error.carried.topRows<3>();
+  gained.leftCols<3>() -= prediction.error.carried.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d covariance = gained * covariance_ * gained.transpose() + step.error.noise.topLeftCorner<3, 3>();
+  return turned(covariance, step.previous_T_current.yaw_rad);
 }
 
 // Devices scan steadily; stamps that waver about the usual period say more of the computer than of the laser.
@@ -76,7 +86,9 @@ void LaserOdometry::remember(const OdometryStep& step, double period_s) {
   speed_x_mps_ *= kept;
   speed_y_mps_ *= kept;
   speed_yaw_radps_ = kept * step.previous_T_current.yaw_rad / period_s;
-  covariance_ = step.error.carried * covariance_ * step.error.carried.transpose() + step.error.noise;
+  if (started_) {
+    covariance_ = step.error.carried * covariance_ * step.error.carried.transpose() + step.error.noise;
+  }
   odom_T_scan_ = step.odom_T_scan;
   stamp_ns_ = step.to_stamp_ns;
   started_ = true;

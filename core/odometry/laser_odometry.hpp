@@ -34,8 +34,8 @@ struct LaserOdometryParams {
   double expectation_period_min_s = 0.1;
   double prediction_max_s = 0.5;
   double expectation_widening = 3.0;
-  double speed_walk_sd_mps = 0.6;
-  double speed_error_max_mps = 1.0;
+  double speed_walk_sd_mps = 0.5;
+  double speed_error_max_mps = 0.4;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -108,6 +108,7 @@ class LaserOdometry {
   [[nodiscard]] Deviations deviations(double period_s) const;
   /// Kalman's update of the prediction by a match. [kalman1960]
   void correct(const Prediction& prediction, const Pose2& odom_T_key, OdometryStep& step);
+  [[nodiscard]] Eigen::Matrix3d increment_covariance(const Prediction& prediction, const OdometryStep& step) const;
   [[nodiscard]] double steady_period_s(double period_s);
   void remember(const OdometryStep& step, double period_s);
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);

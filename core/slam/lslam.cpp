@@ -1,5 +1,6 @@
 #include "core/slam/lslam.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/check.hpp"
@@ -9,16 +10,6 @@ namespace {
 
 bool is_finite(const Pose2& pose) {
   return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.yaw_rad);
-}
-
-Pose2 pose_of(const MotionError::Vector& error) { return {error(0), error(1), error(2)}; }
-
-MotionError::Vector draw(Rng& rng) {
-  MotionError::Vector normals;
-  for (int i = 0; i < MotionError::kSize; ++i) {
-    normals(i) = rng.normal();
-  }
-  return normals;
 }
 
 }  // namespace
@@ -42,7 +33,7 @@ void Lslam::reset(const Pose2& map_T_scan) {
   ODOLESS_CHECK(is_finite(map_T_scan));
   particles_.reset(map_T_scan);
   speed_.reset();
-  errors_[0].setZero();
+  errors_[0] = DrawnError{};
   started_ = pool_was_full_ = false;
 }
 
@@ -54,6 +45,7 @@ void Lslam::set_particles(int wanted) {
 void Lslam::set_pose(const Pose2& map_T_scan) {
   ODOLESS_CHECK(is_finite(map_T_scan));
   particles_.set_pose(map_T_scan);
+  std::fill(errors_.begin(), errors_.end(), DrawnError{});
 }
 
 UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& scan) {
@@ -76,7 +68,7 @@ UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& sc
   map_scan(scan, report.resampled);
   if (report.resampled) {
     errors_.swap(old_errors_);
-    particles_.multiply_alike<MotionError::Vector>(old_errors_, errors_);
+    particles_.multiply_alike(old_errors_, errors_);
     particles_.multiply();
   }
   count(before, thinned_before, report);
@@ -85,7 +77,7 @@ UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& sc
 
 std::size_t Lslam::memory_bytes() const {
   return sizeof(*this) + particles_.memory_bytes() + scores_.capacity() * sizeof(double) +
-         (errors_.capacity() + old_errors_.capacity()) * sizeof(MotionError::Vector) + beams_.capacity() * sizeof(Beam);
+         (errors_.capacity() + old_errors_.capacity()) * sizeof(DrawnError) + beams_.capacity() * sizeof(Beam);
 }
 
 void Lslam::move(const MotionIncrement& increment, UpdateReport& report) {
@@ -94,10 +86,10 @@ void Lslam::move(const MotionIncrement& increment, UpdateReport& report) {
   report.lambda_m = speed_.lambda_m(increment);
   for (int particle = 0; particle < particles(); ++particle) {
     Pose2& pose = particles_.pose(particle);
-    MotionError::Vector& error = errors_[static_cast<std::size_t>(particle)];
-    const Pose2 map_T_tracked = pose * pose_of(error).inverse();
-    error = increment.error.carried * error + root * draw(rng_);
-    pose = motion_.sample(map_T_tracked, increment.previous_T_current, report.lambda_m, rng_) * pose_of(error);
+    DrawnError& error = errors_[static_cast<std::size_t>(particle)];
+    const Pose2 map_T_tracked = pose * error.pose().inverse();
+    error.advance(increment.error, root, rng_);
+    pose = motion_.sample(map_T_tracked, increment.previous_T_current, report.lambda_m, rng_) * error.pose();
   }
   speed_.add(increment);
 }

@@ -119,8 +119,8 @@ class Lslam {
   TravelSpeed speed_;
   Rng rng_;
   std::vector<double> scores_;
-  std::vector<MotionError::Vector> errors_;  ///< what each particle takes the odometry to be off by now
-  std::vector<MotionError::Vector> old_errors_;
+  std::vector<DrawnError> errors_;  ///< what each particle takes the odometry to be off by now
+  std::vector<DrawnError> old_errors_;
   std::vector<Beam> beams_;
   int wanted_particles_;
   bool started_ = false;
