@@ -9,6 +9,7 @@ namespace odoless {
 void LatencyHistogram::record(std::int64_t latency_ns) {
   ++buckets_[bucket_of(latency_ns)];
   ++count_;
+  sum_ns_ += latency_ns;
   max_ns_ = std::max(max_ns_, latency_ns);
 }
 
@@ -37,11 +38,14 @@ std::size_t LatencyHistogram::bucket_of(std::int64_t latency_ns) {
   return static_cast<std::size_t>(doubling - kFirstDoubling) * kSplit + part;
 }
 
-std::int64_t LatencyHistogram::middle_ns(std::size_t bucket) {
-  const int doubling = static_cast<int>(bucket / kSplit) + kFirstDoubling;
-  const auto part = static_cast<std::int64_t>(bucket % kSplit);
-  const std::int64_t width_ns = std::int64_t{1} << (doubling - 4);
-  return (kSplit + part) * width_ns + width_ns / 2;
+std::int64_t LatencyHistogram::width_ns(std::size_t bucket) {
+  return std::int64_t{1} << (static_cast<int>(bucket / kSplit) + kFirstDoubling - 4);
 }
+
+std::int64_t LatencyHistogram::end_ns(std::size_t bucket) {
+  return (kSplit + static_cast<std::int64_t>(bucket % kSplit) + 1) * width_ns(bucket);
+}
+
+std::int64_t LatencyHistogram::middle_ns(std::size_t bucket) { return end_ns(bucket) - width_ns(bucket) / 2; }
 
 }  // namespace odoless

@@ -29,6 +29,14 @@ class LatencyHistogram {
 
   [[nodiscard]] std::uint64_t count() const { return count_; }
 
+  /// 0 if there is none.
+  [[nodiscard]] std::int64_t mean() const { return count_ == 0 ? 0 : sum_ns_ / static_cast<std::int64_t>(count_); }
+
+  /// The buckets in ascending order: how many durations each has, and where it ends.
+  static constexpr std::size_t buckets() { return static_cast<std::size_t>(kSplit * kDoublings); }
+  [[nodiscard]] std::uint32_t count_in(std::size_t bucket) const { return buckets_[bucket]; }
+  static std::int64_t end_ns(std::size_t bucket);
+
  private:
   static constexpr int kSplit = 16;         ///< buckets per doubling
   static constexpr int kFirstDoubling = 9;  ///< 512 ns: the first below a microsecond
@@ -36,10 +44,12 @@ class LatencyHistogram {
   static constexpr std::int64_t kEnd_ns = std::int64_t{1} << (kFirstDoubling + kDoublings);
 
   static std::size_t bucket_of(std::int64_t latency_ns);
+  static std::int64_t width_ns(std::size_t bucket);
   static std::int64_t middle_ns(std::size_t bucket);
 
   std::array<std::uint32_t, static_cast<std::size_t>(kSplit* kDoublings)> buckets_{};
   std::uint64_t count_ = 0;
+  std::int64_t sum_ns_ = 0;
   std::int64_t max_ns_ = 0;
 };
 

@@ -152,6 +152,7 @@ void NdtMatcher::climb(const MatchReference& reference, const SearchOutcome& out
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(-top.derivatives.hessian.topLeftCorner<2, 2>());
   result.weak_direction = {axes.eigenvectors()(0, 0), axes.eigenvectors()(1, 0)};
   result.weak_information_1_m2 = axes.eigenvalues()(0) / returns_.size();
+  result.strong_information_1_m2 = axes.eigenvalues()(1) / returns_.size();
 }
 
 }  // namespace odoless

@@ -32,6 +32,7 @@ struct MatchResult {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< over (x_m, y_m, yaw_rad), reference's axes
   Point2 weak_direction{1.0,
                         0.0};  ///< unit vector of the translation that the scene constrains least, reference's axes
+  double strong_information_1_m2 = 0.0;   ///< curvature of the fitness across the weak direction
   double weak_information_1_m2 = 0.0;     ///< curvature of the fitness along it; near zero in a featureless corridor
   std::optional<SecondPeak> second_peak;  ///< another, distinct answer that scores nearly as well
 

@@ -23,6 +23,7 @@ struct DaemonResult {
   std::vector<StampedPose> online_trajectory;  ///< as published at the time
   OccupancyMap map;
   HealthReport health;
+  CpuHistograms cpu;
   double wall_s = 0.0;
 };
 

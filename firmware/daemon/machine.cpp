@@ -115,18 +115,19 @@ bool Machine::stop(std::int64_t patience_ns) {
   return true;
 }
 
-bool Machine::is_alive() {
+const char* Machine::silent_stage() {
+  constexpr std::array<const char*, kStages> kNames{"sensor", "matcher", "filter"};
   const std::array<const std::atomic<std::uint64_t>*, kStages> now{
       &pipeline_.sensor.heartbeat, &pipeline_.matcher.heartbeat, &pipeline_.filter.heartbeat};
   const std::array<bool, kStages> resting{pipeline_.sensor.done, !matcher_ || pipeline_.matcher.done,
                                           !filter_ || pipeline_.filter.done};
-  bool alive = true;
+  const char* silent = nullptr;
   for (std::size_t i = 0; i < now.size(); ++i) {
     const std::uint64_t beat = now.at(i)->load(std::memory_order_relaxed);
-    alive = alive && (resting.at(i) || beat != heartbeats_.at(i));
+    silent = resting.at(i) || beat != heartbeats_.at(i) ? silent : kNames.at(i);
     heartbeats_.at(i) = beat;
   }
-  return alive;
+  return silent;
 }
 
 bool Machine::has_ended() const {
@@ -157,6 +158,7 @@ DaemonResult Machine::result() {
     result.trajectory = result.online_trajectory;
   }
   result.health = publisher_.health();
+  result.cpu = publisher_.cpu();
   result.wall_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
   return result;
 }

@@ -32,8 +32,8 @@ class Machine {
   /// Asks the stages to drain and waits for them; false if they don't within the time.
   [[nodiscard]] bool stop(std::int64_t patience_ns);
 
-  /// Whether every running stage has done a round since the last call.
-  [[nodiscard]] bool is_alive();
+  /// The running stage that has done no round since the last call: its name, or null where all have.
+  [[nodiscard]] const char* silent_stage();
   /// Whether all stages have ended by themselves.
   [[nodiscard]] bool has_ended() const;
   /// errno where a thread was refused its priority or processor; 0: none was.

@@ -63,7 +63,6 @@ int Supervisor::run() {
     wait();
     keep_laser_open();
     if (!watch()) {
-      log_line(EventPriority::kCritical, "a stage hangs: the daemon ends, to be started again (pipeline.watchdog_ms)");
       ::_exit(EX_SOFTWARE);
     }
   }
@@ -147,13 +146,19 @@ bool Supervisor::watch() {
   }
   next_watch_ns_ = now_ns + kWatch_ns;
   // Rounds are counted and not time, so that a process that was stopped as a whole is not taken for one that hangs.
-  silent_ns_ = machine_.is_alive() ? 0 : silent_ns_ + kWatch_ns;
+  const char* const silent = machine_.silent_stage();
+  silent_ns_ = silent == nullptr ? 0 : silent_ns_ + kWatch_ns;
   surroundings_.stage_silent = silent_ns_ > 0 && silent_ns_ + kWatch_ns > options_.params.pipeline.watchdog_ns / 2;
   machine_.publisher().set_surroundings(surroundings_);
   if (silent_ns_ == 0) {
     notify_service_manager(fmt::format("WATCHDOG=1\nSTATUS={}", state_sentence(machine_.publisher().health())));
   }
-  return silent_ns_ < options_.params.pipeline.watchdog_ns;
+  if (silent_ns_ < options_.params.pipeline.watchdog_ns) {
+    return true;
+  }
+  log_line(EventPriority::kCritical,
+           fmt::format("the {} stage hangs: the daemon ends, to be started again (pipeline.watchdog_ms)", silent));
+  return false;
 }
 
 void Supervisor::reload() {

@@ -16,6 +16,7 @@ inline constexpr ScanSlot kNoSlot = UINT32_MAX;
 struct MotionMessage {
   ScanSlot slot = kNoSlot;
   OdometryStep step;
+  std::int64_t matcher_cpu_ns = 0;  ///< that it took to find it
 };
 
 /// What somebody outside asks of the filter.
@@ -32,6 +33,14 @@ struct StageReport {
   std::int64_t deadline_misses = 0;
   std::int64_t page_faults = 0;
   std::int64_t allocations = -1;
+};
+
+/// CPU time per scan of the run.
+struct CpuHistograms {
+  LatencyHistogram sensor;
+  LatencyHistogram matcher;
+  LatencyHistogram filter;
+  LatencyHistogram matcher_and_filter;
 };
 
 struct SensorReport {
@@ -57,6 +66,7 @@ struct MatcherReport {
 
 struct FilterReport {
   StageReport stage;
+  LatencyHistogram with_matcher;  ///< CPU time per scan, of matcher and filter together
   double effective_particles = 0.0;
   std::int32_t particles = 0;
   double log_likelihood_per_beam = 0.0;

@@ -137,6 +137,12 @@ HealthReport Publisher::health() const {
   return health_;
 }
 
+CpuHistograms Publisher::cpu() const {
+  const std::lock_guard lock(mutex_);
+  return {pipeline_.sensor.report.value().stage.cpu, pipeline_.matcher.report.value().stage.cpu,
+          pipeline_.filter.report.value().stage.cpu, pipeline_.filter.report.value().with_matcher};
+}
+
 OccupancyMap Publisher::map() {
   const std::lock_guard lock(mutex_);
   return map_.map();

@@ -43,6 +43,8 @@ class Publisher {
   void set_health_params(const HealthParams& params);
   /// Any thread: the last report.
   [[nodiscard]] HealthReport health() const;
+  /// Any thread.
+  [[nodiscard]] CpuHistograms cpu() const;
   /// Any thread: the map and the poses until now. Waits for the round that is under way.
   [[nodiscard]] OccupancyMap map();
   [[nodiscard]] std::vector<StampedPose> online_poses();

@@ -1,11 +1,17 @@
 #include "firmware/records/convert.hpp"
 
+#include <algorithm>
+
 namespace odoless {
 namespace {
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 }  // namespace
+
+double second_peak_ratio(const MatchResult& match) {
+  return match.second_peak ? std::max(match.second_peak->score_ratio, 0.0) : 0.0;
+}
 
 MotionRecord to_record(const OdometryStep& step) {
   MotionRecord record;
@@ -14,9 +20,9 @@ MotionRecord to_record(const OdometryStep& step) {
   record.previous_T_current = step.previous_T_current;
   record.odom_T_scan = step.odom_T_scan;
   Eigen::Map<RowMajor3>(record.covariance.data()) = step.covariance;
-  record.information_1_m2[1] = step.match.weak_information_1_m2;
+  record.information_1_m2 = {step.match.strong_information_1_m2, step.match.weak_information_1_m2};
   record.fitness = step.match.fitness;
-  record.second_peak_ratio = step.match.second_peak ? step.match.second_peak->score_ratio : 0.0;
+  record.second_peak_ratio = second_peak_ratio(step.match);
   record.evaluations = step.match.evaluations;
   record.flags = (step.matched ? kMatched : 0) | (step.match.converged ? kConverged : 0) |
                  (step.match.escalated ? kEscalated : 0) |
@@ -36,6 +42,7 @@ OdometryStep to_step(const MotionRecord& record) {
   step.match.converged = (record.flags & kConverged) != 0;
   step.match.escalated = (record.flags & kEscalated) != 0;
   step.match.evaluations = record.evaluations;
+  step.match.strong_information_1_m2 = record.information_1_m2[0];
   step.match.weak_information_1_m2 = record.information_1_m2[1];
   return step;
 }

@@ -5,6 +5,9 @@
 
 namespace odoless {
 
+/// Fitness of the second peak over that of the best; 0 where there is none, or one that is worse than no match at all.
+[[nodiscard]] double second_peak_ratio(const MatchResult& match);
+
 /// What the outside is told of a step. Real time: no allocation.
 [[nodiscard]] MotionRecord to_record(const OdometryStep& step);
 

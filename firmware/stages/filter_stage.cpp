@@ -44,7 +44,7 @@ FilterStep FilterStage::process(const OdometryStep& step) {
 FilterStep FilterStage::placed(FilterStep out, const OdometryStep& step) const {
   out.update_stamp_ns = update_stamp_ns_;
   out.update_T_scan = update_T_scan_;
-  out.map_T_scan = filter_.map_T_scan() * update_T_scan_;
+  out.map_T_scan = filter_.estimate().map_T_scan * update_T_scan_;
   out.map_T_odom = out.map_T_scan * step.odom_T_scan.inverse();
   return out;
 }

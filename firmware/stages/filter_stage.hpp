@@ -11,7 +11,7 @@ namespace odoless {
 
 /// What the filter makes of one scan. A scan between two updates hangs on the last one.
 struct FilterStep {
-  Pose2 map_T_scan{};                ///< as known now: map_T_odom * odom_T_scan
+  Pose2 map_T_scan{};                ///< as known now: the mean of the particles, which is steadier than the best
   Pose2 map_T_odom{};                ///< corrects the drift of the odometry; jumps where a loop is closed
   std::int64_t update_stamp_ns = 0;  ///< of the last update
   Pose2 update_T_scan{};             ///< motion since then

@@ -16,12 +16,18 @@ std::uint64_t digest(std::span<const float> ranges_m) {
 
 }  // namespace
 
+bool SensorStage::begins_anew(std::int64_t stamp_ns) {
+  earlier_in_a_row_ = stamp_ns > last_earlier_ns_ ? earlier_in_a_row_ + 1 : 1;
+  last_earlier_ns_ = stamp_ns;
+  return earlier_in_a_row_ >= kAnewScans;
+}
+
 ScanVerdict SensorStage::judge_stamp(std::int64_t stamp_ns, std::int64_t now_ns) {
   if (stamp_ns == last_stamp_ns_) {
     ++counts_.duplicate;
     return ScanVerdict::kDuplicate;
   }
-  if (stamp_ns < last_stamp_ns_) {
+  if (stamp_ns < last_stamp_ns_ && !begins_anew(stamp_ns)) {
     ++counts_.out_of_order;
     return ScanVerdict::kOutOfOrder;
   }
@@ -47,11 +53,12 @@ ScanVerdict SensorStage::process(const RawScan& raw, std::int64_t now_ns, ScanFr
 }
 
 void SensorStage::observe(const RawScan& raw, const ScanFrame& frame, std::int64_t now_ns) {
-  if (counts_.accepted > 0) {
+  if (counts_.accepted > 0 && raw.stamp_ns > last_stamp_ns_) {
     const std::int64_t period_ns = raw.stamp_ns - last_stamp_ns_;
     period_ns_ = period_ns_ == 0 ? period_ns : period_ns_ + (period_ns - period_ns_) / 8;
   }
   last_stamp_ns_ = raw.stamp_ns;
+  earlier_in_a_row_ = 0;
   last_scan_ns_ = now_ns;
   const std::uint64_t hash = digest(raw.ranges_m);
   same_in_a_row_ = hash == last_digest_ ? same_in_a_row_ + 1 : 0;

@@ -29,12 +29,15 @@ class SensorStage {
   [[nodiscard]] bool is_stuck() const { return same_in_a_row_ >= kStuckScans; }
 
   static constexpr std::int64_t kLate_ns = 500'000'000;  ///< older scans say nothing about now
+  static constexpr int kAnewScans = 10;  ///< older ones in a row, in their own order: a source that began anew
   static constexpr int kBlindScans = 3;
   static constexpr int kStuckScans = 10;       ///< a live laser shows noise
   static constexpr double kBlindShare = 0.05;  ///< of the beams; with fewer returns a scan is blind
 
  private:
   [[nodiscard]] ScanVerdict judge_stamp(std::int64_t stamp_ns, std::int64_t now_ns);
+  /// Whether the source's clock went back for good, as when a log is played again.
+  [[nodiscard]] bool begins_anew(std::int64_t stamp_ns);
   void observe(const RawScan& raw, const ScanFrame& frame, std::int64_t now_ns);
 
   bool live_;
@@ -42,6 +45,8 @@ class SensorStage {
   std::int64_t last_stamp_ns_ = std::numeric_limits<std::int64_t>::min();
   std::int64_t last_scan_ns_ = 0;
   std::int64_t period_ns_ = 0;
+  std::int64_t last_earlier_ns_ = 0;
+  int earlier_in_a_row_ = 0;
   std::uint64_t last_digest_ = 0;
   int same_in_a_row_ = 0;
   int blind_in_a_row_ = 0;

@@ -1,5 +1,7 @@
 #include "firmware/threads/filter_intake.hpp"
 
+#include <utility>
+
 #include "firmware/records/convert.hpp"
 #include "firmware/threads/matcher_loop.hpp"
 
@@ -12,6 +14,10 @@ void FilterIntake::take(ScanSlot slot) {
   }
   place = slot;
   next_waiting_ = (next_waiting_ + 1) % kWaiting;
+  if (has_held_ && pipeline().pool.at(slot).stamp_ns() == held_.step.to_stamp_ns) {
+    held_.slot = scan_of(held_.step.to_stamp_ns);
+    release();
+  }
 }
 
 ScanSlot FilterIntake::scan_of(std::int64_t stamp_ns) {
@@ -41,10 +47,22 @@ void FilterIntake::on_motion(const MotionRecord& motion) {
   if (started_ && motion.to_stamp_ns <= last_stamp_ns_) {
     return;  // came twice, or too late: the sum is known already
   }
-  MotionMessage message{scan_of(motion.to_stamp_ns), step_of(motion)};
+  release();  // the one before: its scan has been lost
+  held_ = {.slot = scan_of(motion.to_stamp_ns), .step = step_of(motion)};
+  has_held_ = true;
   started_ = true;
   odom_T_last_ = motion.odom_T_scan;
   last_stamp_ns_ = motion.to_stamp_ns;
+  if (held_.slot != kNoSlot) {
+    release();
+  }
+}
+
+void FilterIntake::release() {
+  if (!std::exchange(has_held_, false)) {
+    return;
+  }
+  MotionMessage message = held_;
   if (has_pending_) {
     if (pending_.slot != kNoSlot) {
       give_back(pending_.slot);

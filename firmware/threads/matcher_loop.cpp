@@ -55,7 +55,7 @@ void MatcherLoop::process(ScanSlot slot) {
   }
   publish(step);
   if (to_filter_) {
-    hand_on(slot, step);
+    hand_on({slot, step, timer_.used_ns()});
   } else {
     give_back(slot);
   }
@@ -81,8 +81,7 @@ bool MatcherLoop::push(const MotionMessage& message) {
   return true;
 }
 
-void MatcherLoop::hand_on(ScanSlot slot, const OdometryStep& step) {
-  MotionMessage message{slot, step};
+void MatcherLoop::hand_on(MotionMessage message) {
   while (pipeline_.lossless && !push(message)) {
     sleep_ns(kRoomWait_ns);
   }
@@ -91,7 +90,7 @@ void MatcherLoop::hand_on(ScanSlot slot, const OdometryStep& step) {
   }
   if (pending_.slot != kNoSlot) {
     give_back(pending_.slot);
-    message.step = compose(pending_.step, step);
+    message.step = compose(pending_.step, message.step);
     pending_.slot = kNoSlot;
   }
   if (!push(message)) {
@@ -107,7 +106,8 @@ void MatcherLoop::flush() {
 
 void MatcherLoop::report(const OdometryStep& step) {
   report_.fitness = step.match.fitness;
-  report_.second_peak_ratio = step.match.second_peak ? step.match.second_peak->score_ratio : 0.0;
+  report_.second_peak_ratio = second_peak_ratio(step.match);
+  report_.strong_information_1_m2 = step.match.strong_information_1_m2;
   report_.weak_information_1_m2 = step.match.weak_information_1_m2;
   report_.evaluations = step.match.evaluations;
   report_.poor_in_a_row = step.match.converged || report_.stage.scans <= 1 ? 0 : report_.poor_in_a_row + 1;

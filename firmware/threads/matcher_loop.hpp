@@ -24,7 +24,7 @@ class MatcherLoop {
  private:
   void process(ScanSlot slot);
   void publish(const OdometryStep& step);
-  void hand_on(ScanSlot slot, const OdometryStep& step);
+  void hand_on(MotionMessage message);
   void give_back(ScanSlot slot);
   [[nodiscard]] bool push(const MotionMessage& message);
   void flush();

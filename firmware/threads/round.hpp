@@ -52,13 +52,16 @@ class StageTimer {
 
   void begin() { start_ns_ = thread_cpu_ns(); }
 
+  /// CPU time since `begin`.
+  [[nodiscard]] std::int64_t used_ns() const { return thread_cpu_ns() - start_ns_; }
+
   /// @return  CPU time since `begin`.
   std::int64_t end(StageReport& report) {
-    const std::int64_t used_ns = thread_cpu_ns() - start_ns_;
-    report.cpu.record(used_ns);
-    report.deadline_misses += used_ns > budget_ns_ ? 1 : 0;
+    const std::int64_t cpu_ns = used_ns();
+    report.cpu.record(cpu_ns);
+    report.deadline_misses += cpu_ns > budget_ns_ ? 1 : 0;
     ++report.scans;
-    return used_ns;
+    return cpu_ns;
   }
 
  private:

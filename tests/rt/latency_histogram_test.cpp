@@ -28,6 +28,19 @@ rc::Gen<std::int64_t> any_latency_ns() {
   });
 }
 
+RC_GTEST_PROP(LatencyHistogram, EveryDurationIsInTheBucketThatEndsAfterIt, ()) {
+  const std::int64_t latency_ns = *any_latency_ns();
+  LatencyHistogram histogram;
+  histogram.record(latency_ns);
+  RC_ASSERT(histogram.mean() == latency_ns);
+  std::size_t bucket = 0;
+  while (histogram.count_in(bucket) == 0) {
+    ++bucket;
+  }
+  RC_ASSERT(latency_ns < LatencyHistogram::end_ns(bucket));
+  RC_ASSERT(bucket == 0 || latency_ns >= LatencyHistogram::end_ns(bucket - 1));
+}
+
 RC_GTEST_PROP(LatencyHistogram, PercentilesAreThoseOfSortingWithinTheStatedError, ()) {
   const auto latencies_ns = *rc::gen::nonEmpty(rc::gen::container<std::vector<std::int64_t>>(any_latency_ns()));
   LatencyHistogram histogram;

@@ -61,8 +61,8 @@ TEST(ScanLog, FlaserSpreadsItsBeamsByTheirNumber) {
                                                   {91, 2.0},  {721, 0.25}, {2, 180.0}};
   for (const auto& [ranges, step_deg] : steps) {
     const ScanLog log = read(flaser(ranges));
-    EXPECT_NEAR(log.scans[0].start_angle_rad, -90 * kDegreeRad, 1e-12) << ranges;
-    EXPECT_NEAR(log.scans[0].angle_step_rad, step_deg * kDegreeRad, 1e-12) << ranges;
+    EXPECT_EQ(log.scans[0].start_angle_rad, static_cast<float>(-90 * kDegreeRad)) << ranges;
+    EXPECT_EQ(log.scans[0].angle_step_rad, static_cast<float>(step_deg * kDegreeRad)) << ranges;
     EXPECT_EQ(log.scans[0].ranges_m.size(), static_cast<std::size_t>(ranges));
   }
 }
@@ -93,7 +93,7 @@ TEST(ScanLog, ReadsDpSlamWithoutStamps) {
   EXPECT_FALSE(log.has_stamps);
   ASSERT_EQ(log.scans.size(), 2U);
   EXPECT_EQ(log.scans[1].stamp_ns, 200'000'000);
-  EXPECT_NEAR(log.scans[0].angle_step_rad, 90 * kDegreeRad, 1e-12);
+  EXPECT_EQ(log.scans[0].angle_step_rad, static_cast<float>(90 * kDegreeRad));
   EXPECT_EQ(log.scans[0].no_return_m, 8.0F);
 }
 

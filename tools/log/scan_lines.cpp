@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 
+#include "core/base/float_precision.hpp"
 #include "tools/log/carmen_line.hpp"
 
 namespace odoless {
@@ -34,16 +36,22 @@ bool is_csv(std::string_view line) {
          line.substr(0, comma).find_first_not_of("0123456789.+-eE \t") == std::string_view::npos;
 }
 
+/// A planar_lidar_t's stamp is in microseconds, and its angles are floats.
+std::int64_t to_message_precision(std::int64_t stamp_ns) { return stamp_ns - stamp_ns % 1000; }
+
 LineScan make(const Fields& fields, const CarmenLine& line) {
   LineScan result;
   result.has_stamp = line.stamp.has_value();
-  result.scan = {.stamp_ns = line.stamp ? fields.stamp_ns(*line.stamp) : 0,
-                 .start_angle_rad = line.start_angle_rad,
-                 .angle_step_rad = line.angle_step_rad,
+  result.scan = {.stamp_ns = line.stamp ? to_message_precision(fields.stamp_ns(*line.stamp)) : 0,
+                 .start_angle_rad = to_float_precision(line.start_angle_rad),
+                 .angle_step_rad = to_float_precision(line.angle_step_rad),
                  .no_return_m = line.no_return_m,
                  .ranges_m = fields.ranges_m(line.ranges_begin, line.ranges)};
-  if (line.angle_step_rad == 0.0) {
+  if (result.scan.angle_step_rad == 0.0) {
     fields.fail("the angle between two ranges is 0", "another one");
+  }
+  if (!std::isfinite(result.scan.start_angle_rad) || !std::isfinite(result.scan.angle_step_rad)) {
+    fields.fail("an angle is endless", "radians");
   }
   return result;
 }

@@ -44,7 +44,8 @@ constexpr std::int64_t kDefaultPeriodNs = 200'000'000;
 /// - CSV `t,angle_min,angle_inc,time_inc,scan_time,rmin,rmax,n,ranges...`, rmax and more is no return.
 ///
 /// Each scan has at least one range and a finite geometry with a step other than 0. Stamps that are missing, all equal
-/// or all zero are replaced by index * default_period_ns; stamps that go backwards are kept.
+/// or all zero are replaced by index * default_period_ns; stamps that go backwards are kept. Stamps are in whole
+/// microseconds and angles of float precision, so that a scan that went over LCM is the very same.
 ///
 /// @throws DataError for a malformed line, a cut file, or a log without any scan; NoInputError, IoError.
 [[nodiscard]] ScanLog read_scan_log(const std::filesystem::path& path,

@@ -16,12 +16,33 @@ namespace {
 
 constexpr Rgb kPathColour{220, 50, 32};
 
-nlohmann::ordered_json stage_summary(const StageHealth& stage) {
-  return {{"scans", stage.scans},
-          {"cpu_p50_ms", stage.p50_ms},
-          {"cpu_p99_ms", stage.p99_ms},
-          {"cpu_max_ms", stage.max_ms},
-          {"deadline_misses", stage.deadline_misses}};
+double in_ms(std::int64_t duration_ns) { return static_cast<double>(duration_ns) * 1e-6; }
+
+/// Pairs [end of bucket in ms, scans]; empty buckets are left out.
+nlohmann::ordered_json histogram_of(const LatencyHistogram& cpu) {
+  nlohmann::ordered_json histogram = nlohmann::ordered_json::array();
+  for (std::size_t bucket = 0; bucket < LatencyHistogram::buckets(); ++bucket) {
+    if (cpu.count_in(bucket) > 0) {
+      histogram.push_back({in_ms(LatencyHistogram::end_ns(bucket)), cpu.count_in(bucket)});
+    }
+  }
+  return histogram;
+}
+
+nlohmann::ordered_json cpu_summary(const LatencyHistogram& cpu) {
+  return {{"scans", cpu.count()},
+          {"cpu_mean_ms", in_ms(cpu.mean())},
+          {"cpu_p50_ms", in_ms(cpu.percentile(50.0))},
+          {"cpu_p99_ms", in_ms(cpu.percentile(99.0))},
+          {"cpu_max_ms", in_ms(cpu.max())},
+          {"cpu_histogram_ms", histogram_of(cpu)}};
+}
+
+nlohmann::ordered_json stage_summary(const StageHealth& stage, const LatencyHistogram& cpu) {
+  nlohmann::ordered_json summary = cpu_summary(cpu);
+  summary["scans"] = stage.scans;
+  summary["deadline_misses"] = stage.deadline_misses;
+  return summary;
 }
 
 nlohmann::ordered_json summary_of(const DaemonResult& result) {
@@ -41,9 +62,10 @@ nlohmann::ordered_json summary_of(const DaemonResult& result) {
   summary["records_dropped"] = health.records_dropped;
   summary["page_faults"] = health.page_faults;
   summary["heap_calls"] = health.allocations;
-  summary["sensor"] = stage_summary(health.stages[kSensorStage]);
-  summary["matcher"] = stage_summary(health.stages[kMatcherStage]);
-  summary["filter"] = stage_summary(health.stages[kFilterStage]);
+  summary["sensor"] = stage_summary(health.stages[kSensorStage], result.cpu.sensor);
+  summary["matcher"] = stage_summary(health.stages[kMatcherStage], result.cpu.matcher);
+  summary["filter"] = stage_summary(health.stages[kFilterStage], result.cpu.filter);
+  summary["matcher_and_filter"] = cpu_summary(result.cpu.matcher_and_filter);
   return summary;
 }
 

@@ -5,16 +5,12 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/float_precision.hpp"
+
 namespace odoless::scip {
 namespace {
 
 constexpr double kBitsPerByte = 10.0;  ///< with start and stop bit
-
-/// Volatile, for GCC 12 leaves out the rounding where it vectorises two of these.
-double to_float_precision(double value) {
-  const volatile auto rounded = static_cast<float>(value);
-  return static_cast<double>(rounded);
-}
 
 const char* command(LrfReading reading) {
   switch (reading) {

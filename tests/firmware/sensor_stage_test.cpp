@@ -1,0 +1,95 @@
+#include "firmware/stages/sensor_stage.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace odoless {
+namespace {
+
+constexpr std::int64_t kPeriod_ns = 25'000'000;
+
+/// A stage and what it is given, one scan after the other.
+class SensorStageTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] ScanVerdict give(std::int64_t stamp_ns, std::int64_t age_ns = 0) {
+    ranges_m_[0] = 1.0F + 0.001F * static_cast<float>(++given_ % 100);  // a live laser's noise
+    return give_same(stamp_ns, age_ns);
+  }
+  [[nodiscard]] ScanVerdict give_same(std::int64_t stamp_ns, std::int64_t age_ns = 0) {
+    return stage_.process({.stamp_ns = stamp_ns, .angle_step_rad = 0.1, .ranges_m = ranges_m_}, stamp_ns + age_ns,
+                          frame_);
+  }
+
+  SensorStage stage_{true};
+  ScanFrame frame_{ScanParams{}};
+  std::array<float, 20> ranges_m_{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+  int given_ = 0;
+};
+
+TEST_F(SensorStageTest, TakesScansInTheirOrderAndCountsWhatItRefuses) {
+  EXPECT_EQ(give(1 * kPeriod_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(give(2 * kPeriod_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(give(2 * kPeriod_ns), ScanVerdict::kDuplicate);
+  EXPECT_EQ(give(1 * kPeriod_ns), ScanVerdict::kOutOfOrder);
+  EXPECT_EQ(give(3 * kPeriod_ns, SensorStage::kLate_ns + 1), ScanVerdict::kLate);
+  EXPECT_EQ(give(4 * kPeriod_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(stage_.counts().accepted, 3);
+  EXPECT_EQ(stage_.counts().duplicate, 1);
+  EXPECT_EQ(stage_.counts().out_of_order, 1);
+  EXPECT_EQ(stage_.counts().late, 1);
+}
+
+TEST_F(SensorStageTest, ARefusedScanLeavesTheFrameAsItWas) {
+  ASSERT_EQ(give(2 * kPeriod_ns), ScanVerdict::kAccepted);
+  ASSERT_NE(give(1 * kPeriod_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(frame_.stamp_ns(), 2 * kPeriod_ns);
+}
+
+TEST_F(SensorStageTest, ASourceThatBeginsAnewIsFollowedAfterAWhile) {
+  constexpr std::int64_t kLater_ns = 1'000'000'000'000;
+  ASSERT_EQ(give(kLater_ns), ScanVerdict::kAccepted);
+  for (int i = 1; i < SensorStage::kAnewScans; ++i) {
+    ASSERT_EQ(give(i * kPeriod_ns), ScanVerdict::kOutOfOrder) << i;
+  }
+  EXPECT_EQ(give(SensorStage::kAnewScans * kPeriod_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(give((SensorStage::kAnewScans + 1) * kPeriod_ns), ScanVerdict::kAccepted);
+}
+
+TEST_F(SensorStageTest, StragglersNeverLookLikeANewBeginning) {
+  ASSERT_EQ(give(100 * kPeriod_ns), ScanVerdict::kAccepted);
+  for (int i = 1; i < 5 * SensorStage::kAnewScans; ++i) {
+    ASSERT_EQ(give((100 + i) * kPeriod_ns), ScanVerdict::kAccepted);
+    ASSERT_EQ(give(i * kPeriod_ns), ScanVerdict::kOutOfOrder);  // late ones among good ones
+  }
+}
+
+TEST_F(SensorStageTest, KnowsThePeriod) {
+  for (int i = 1; i < 100; ++i) {
+    ASSERT_EQ(give(i * kPeriod_ns), ScanVerdict::kAccepted);
+  }
+  EXPECT_EQ(stage_.period_ns(), kPeriod_ns);
+}
+
+TEST_F(SensorStageTest, TheSameRangesAgainAndAgainAreAStuckLaser) {
+  for (int i = 1; i <= SensorStage::kStuckScans; ++i) {
+    ASSERT_EQ(give_same(i * kPeriod_ns), ScanVerdict::kAccepted);
+    EXPECT_FALSE(stage_.is_stuck()) << i;
+  }
+  ASSERT_EQ(give_same((SensorStage::kStuckScans + 1) * kPeriod_ns), ScanVerdict::kAccepted);
+  EXPECT_TRUE(stage_.is_stuck());
+  ASSERT_EQ(give((SensorStage::kStuckScans + 2) * kPeriod_ns), ScanVerdict::kAccepted);
+  EXPECT_FALSE(stage_.is_stuck());
+}
+
+TEST_F(SensorStageTest, ScansWithoutReturnsAreBlind) {
+  ranges_m_.fill(0.0F);
+  for (int i = 1; i <= SensorStage::kBlindScans; ++i) {
+    EXPECT_FALSE(stage_.is_blind());
+    ASSERT_EQ(give_same(i * kPeriod_ns), ScanVerdict::kAccepted);
+  }
+  EXPECT_TRUE(stage_.is_blind());
+}
+
+}  // namespace
+}  // namespace odoless
