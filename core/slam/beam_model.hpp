@@ -34,6 +34,10 @@ struct BeamModelParams {
 /// sigma^2) with m the way to the middle of the path in the cell, and is lifted by a uniform floor. Constant factors
 /// are left out: they cancel when weights are normalised.
 ///
+/// Beyond the paper: a beam that reaches a cell never seen within 3 sigma of its end counts `unknown_likelihood` for
+/// all that lies behind. As published it would count next to nothing, and particles that see less new ground would
+/// weigh more.
+///
 /// `Map` has `at(GridCell)`, which returns the Cell for any column and row.
 /// Units:     lengths along a walk are in cells. Thread: immutable. Real time: no allocation, bounded by the walk.
 class BeamModel {
