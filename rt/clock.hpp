@@ -34,6 +34,9 @@ class MonotonicClock final : public Clock {
   [[nodiscard]] std::int64_t now_ns() const override;
   void sleep_until(std::int64_t stamp_ns) override;
 
+  /// The stamp of a moment of CLOCK_MONOTONIC, which the kernel stamps GPIO edges with.
+  [[nodiscard]] std::int64_t from_monotonic_ns(std::int64_t monotonic_ns) const { return epoch_ns_ + monotonic_ns; }
+
  private:
   std::int64_t epoch_ns_;  ///< stamp of the moment when CLOCK_MONOTONIC was zero
 };

@@ -33,7 +33,7 @@ class LatencyHistogram {
   [[nodiscard]] std::int64_t mean() const { return count_ == 0 ? 0 : sum_ns_ / static_cast<std::int64_t>(count_); }
 
   /// The buckets in ascending order: how many durations each has, and where it ends.
-  static constexpr std::size_t buckets() { return static_cast<std::size_t>(kSplit * kDoublings); }
+  static constexpr std::size_t buckets() { return std::size_t{kSplit} * kDoublings; }
   [[nodiscard]] std::uint32_t count_in(std::size_t bucket) const { return buckets_[bucket]; }
   static std::int64_t end_ns(std::size_t bucket);
 

@@ -86,6 +86,9 @@ class LaserOdometry {
  public:
   LaserOdometry(const LaserOdometryParams& params, const MatcherParams& matcher, const ScanParams& scan);
 
+  /// Of the last motion, in the scan's axes; zero before the second scan.
+  [[nodiscard]] Velocity2 velocity() const { return {speed_x_mps_, speed_y_mps_, speed_yaw_radps_}; }
+
   /// `scan` has been made with room for no more beams than the constructor's `scan`.
   [[nodiscard]] OdometryStep process(const ScanFrame& scan, const Deadline& deadline, Rng& rng);
 

@@ -2,9 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace odoless {
 namespace {
+
+// What no robot exceeds: a matcher that has lost itself may say anything.
+constexpr double kDeskew_max_mps = 20.0;
+constexpr double kDeskew_max_radps = 20.0;
+constexpr double kDeskew_max_s = 0.5;
 
 BeamState classify(float range_m, float no_return_m, const ScanParams& params) {
   if (std::isnan(range_m) || range_m <= 0.0F || range_m < params.range_min_m) {
@@ -43,6 +49,7 @@ Errc ScanFrame::assign(const RawScan& raw) {
     return Errc::kBadGeometry;
   }
   stamp_ns_ = raw.stamp_ns;
+  beam_period_ns_ = raw.beam_period_ns;
   size_ = static_cast<int>(raw.ranges_m.size());
   set_geometry(raw);
   returns_ = 0;
@@ -53,6 +60,35 @@ Errc ScanFrame::assign(const RawScan& raw) {
     returns_ += is_return ? 1 : 0;
   }
   return Errc::kOk;
+}
+
+// The turn changes the angle from beam to beam by the same, so that the beams stay evenly spaced but for the travel.
+void ScanFrame::deskew(const Velocity2& velocity) {
+  const double period_s = static_cast<double>(std::exchange(beam_period_ns_, 0)) * 1e-9;
+  const bool is_credible = std::hypot(velocity.x_mps, velocity.y_mps) <= kDeskew_max_mps &&
+                           std::abs(velocity.yaw_radps) <= kDeskew_max_radps;  // false for NaN
+  if (period_s <= 0.0 || period_s * size_ > kDeskew_max_s || !is_credible) {
+    return;
+  }
+  angle_step_rad_ += velocity.yaw_radps * period_s;
+  for (int i = 0; i < size_; ++i) {
+    const auto beam = static_cast<std::size_t>(i);
+    const double beam_rad = angle_rad(i);
+    Point2& direction = directions_[beam];
+    direction = {std::cos(beam_rad), std::sin(beam_rad)};
+    if (!is_return(i)) {
+      continue;
+    }
+    const double time_s = i * period_s;
+    const Point2 p{range_m(i) * direction.x_m + velocity.x_mps * time_s,
+                   range_m(i) * direction.y_m + velocity.y_mps * time_s};
+    const double distance_m = std::hypot(p.x_m, p.y_m);
+    if (distance_m > 0.0) {
+      ranges_m_[beam] = static_cast<float>(distance_m);
+      direction = {p.x_m / distance_m, p.y_m / distance_m};
+    }
+  }
+  directions_valid_ = 0;  // the next scan's are others
 }
 
 }  // namespace odoless

@@ -8,6 +8,7 @@
 #include "core/base/parameters.hpp"
 #include "core/base/result.hpp"
 #include "core/geometry/pose2.hpp"
+#include "core/geometry/velocity2.hpp"
 
 namespace odoless {
 
@@ -38,6 +39,7 @@ struct RawScan {
   std::int64_t stamp_ns = 0;  ///< monotonic
   double start_angle_rad = 0.0;
   double angle_step_rad = 0.0;                                 ///< positive: counter-clockwise
+  std::int64_t beam_period_ns = 0;                             ///< from beam to beam; 0: unknown, or all at once
   float no_return_m = std::numeric_limits<float>::infinity();  ///< the device's code: this range or more is no return
   std::span<const float> ranges_m{};
 };
@@ -53,6 +55,11 @@ class ScanFrame {
   /// Classifies every beam of `raw`. Leaves the frame as it was on an error:
   /// Errc::kTooManyBeams, or Errc::kBadGeometry (angle not finite, step of zero).
   [[nodiscard]] Errc assign(const RawScan& raw);
+
+  /// Puts every beam where it would have been seen from the laser's pose at the stamp, for a laser that moved at
+  /// `velocity` meanwhile; beam `i` was measured `i` beam periods after the stamp. Does nothing where the scan tells no
+  /// beam period, or one that is too long to tell anything. Once per `assign`; linear in the beams, no allocation.
+  void deskew(const Velocity2& velocity);
 
   [[nodiscard]] std::int64_t stamp_ns() const { return stamp_ns_; }
   [[nodiscard]] int size() const { return size_; }
@@ -84,6 +91,7 @@ class ScanFrame {
   std::int64_t stamp_ns_ = 0;
   double start_angle_rad_ = 0.0;
   double angle_step_rad_ = 0.0;
+  std::int64_t beam_period_ns_ = 0;
   int size_ = 0;
   int returns_ = 0;
   int directions_valid_ = 0;

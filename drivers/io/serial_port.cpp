@@ -84,6 +84,11 @@ Errc set_serial_baud(int descriptor, int baud) {
   return ::ioctl(descriptor, TCSETS2, &settings) == 0 ? Errc::kOk : Errc::kBaudRefused;
 }
 
+int serial_baud(int descriptor) {
+  termios2 settings{};
+  return ::ioctl(descriptor, TCGETS2, &settings) == 0 ? static_cast<int>(settings.c_ospeed) : 0;
+}
+
 Result<FileDescriptor> open_serial(const SerialParams& params) {
   FileDescriptor port(::open(params.path.c_str(), O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (!port.valid()) {

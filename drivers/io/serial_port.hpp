@@ -23,4 +23,7 @@ struct SerialParams {
 /// Changes the rate of an open line. Errors: Errc::kBaudRefused. Real time: one system call, no allocation.
 [[nodiscard]] Errc set_serial_baud(int descriptor, int baud);
 
+/// The rate of an open line; 0: it has none. Real time: one system call, no allocation.
+[[nodiscard]] int serial_baud(int descriptor);
+
 }  // namespace odoless

@@ -9,10 +9,12 @@ namespace odoless {
 
 /// Which protocol the laser speaks.
 enum class LrfDriver : std::uint8_t {
-  kScip,  ///< Hokuyo SCIP 2.0 on a serial line
-  kLcm,   ///< no device: scans come over LCM
+  kScip,     ///< Hokuyo SCIP 2.0 on a serial line
+  kLcm,      ///< no device: scans come over LCM
+  kSick,     ///< telegrams of the SICK LMS2xx on a serial line
+  kRplidar,  ///< Slamtec RPLIDAR, A series, on a serial line
 };
-inline constexpr const char* kLrfDriverNames[] = {"scip", "lcm"};
+inline constexpr const char* kLrfDriverNames[] = {"scip", "lcm", "sick", "rplidar"};
 
 /// What a laser is asked for.
 enum class LrfReading : std::uint8_t {
@@ -22,6 +24,24 @@ enum class LrfReading : std::uint8_t {
 };
 inline constexpr const char* kLrfReadingNames[] = {"range", "short_range", "range_intensity"};
 
+/// Field of view and step of a SICK LMS2xx, in degrees.
+enum class SickVariant : std::uint8_t { k180By1, k180ByHalf, k100By1, k100ByHalf, k100ByQuarter };
+inline constexpr const char* kSickVariantNames[] = {"180/1", "180/0.5", "100/1", "100/0.5", "100/0.25"};
+
+/// What a SICK LMS2xx counts ranges in.
+enum class SickUnit : std::uint8_t {
+  kMm,  ///< up to 32 m
+  kCm,  ///< up to 80 m
+};
+inline constexpr const char* kSickUnitNames[] = {"mm", "cm"};
+
+/// What an RPLIDAR is asked for.
+enum class RplidarScan : std::uint8_t {
+  kStandard,  ///< every model knows it; 2000 points a second, without a check sum
+  kExpress,   ///< 4000 points a second and more, with check sums; firmware 1.17 and later
+};
+inline constexpr const char* kRplidarScanNames[] = {"standard", "express"};
+
 struct LrfParams {
   LrfDriver driver = LrfDriver::kScip;
   std::string device = "/dev/ttyACM0";
@@ -30,6 +50,12 @@ struct LrfParams {
   LrfReading reading = LrfReading::kRange;
   int cluster = 1;
   int skip = 0;
+  bool deskew = false;
+  SickVariant sick_variant = SickVariant::k180ByHalf;
+  SickUnit sick_unit = SickUnit::kMm;
+  RplidarScan rplidar_scan = RplidarScan::kStandard;
+  int rplidar_beams = 360;
+  int rplidar_pwm = 0;
   std::int64_t reply_timeout_ns = 200'000'000;
   std::int64_t stall_timeout_ns = 500'000'000;
 
@@ -37,12 +63,28 @@ struct LrfParams {
   static void describe(Self& self, Visitor& visit) {
     visit.choice("driver", self.driver, kLrfDriverNames,
                  "Protocol of the laser range finder; lcm: another program reads it, and scans come over LCM.");
-    visit.text("device", self.device, "Path of the laser's serial line.");
+    visit.text("device", self.device,
+               "Where the laser is: a path, tcp://ADDRESS:PORT (numbers, no name), or usb://VENDOR:PRODUCT[/SERIAL].");
     visit.text("channel", self.channel, "Channel of the scans (planar_lidar_t) for the driver lcm.");
-    visit.value("baud", self.baud, Range{0, 4'000'000}, "Rate of the serial line; 0 for USB, which has none.");
+    visit.value("baud", self.baud, Range{0, 4'000'000},
+                "Rate of the serial line, which Hokuyo and SICK lasers are switched to; 0: the one that the laser has "
+                "(USB has none).");
     visit.choice("reading", self.reading, kLrfReadingNames, "What the laser sends of each beam.");
     visit.value("cluster", self.cluster, Range{1, 99}, "Neighbouring beams that the laser joins to one, the nearest.");
     visit.value("skip", self.skip, Range{0, 9}, "Scans that the laser leaves out after each one that it sends.");
+    visit.flag(
+        "deskew", self.deskew,
+        "Whether the motion during a scan is taken out of it, where the laser tells when each beam was measured.");
+    visit.choice("sick_variant", self.sick_variant, kSickVariantNames,
+                 "Field of view and step of a SICK laser, in degrees.");
+    visit.choice("sick_unit", self.sick_unit, kSickUnitNames,
+                 "Unit of a SICK laser's ranges: mm up to 32 m, or cm up to 80 m.");
+    visit.choice("rplidar_scan", self.rplidar_scan, kRplidarScanNames,
+                 "How an RPLIDAR sends: standard, or express with more points and check sums.");
+    visit.value("rplidar_beams", self.rplidar_beams, Range{90, 3600},
+                "Evenly spaced beams that a turn of an RPLIDAR is given as.");
+    visit.value("rplidar_pwm", self.rplidar_pwm, Range{0, 1023},
+                "Duty of an RPLIDAR's motor, for models that take it as a command (A2, A3: 660); 0: not sent.");
     visit.value("reply_timeout_ns", self.reply_timeout_ns, Range<std::int64_t>{10'000'000, 10'000'000'000},
                 "Time for an answer while the laser is brought up.");
     visit.value("stall_timeout_ns", self.stall_timeout_ns, Range<std::int64_t>{50'000'000, 60'000'000'000},

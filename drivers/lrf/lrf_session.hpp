@@ -12,9 +12,10 @@ namespace odoless {
 struct LrfScan {
   /// When the first beam was measured, on the host's monotonic clock; whole microseconds, later than the scan's before.
   std::int64_t stamp_ns = 0;
-  std::int64_t arrival_ns = 0;   ///< when the bytes came that completed the scan, on the same clock
-  double start_angle_rad = 0.0;  ///< of the first beam in the scan frame; of float precision, as in messages
-  double angle_step_rad = 0.0;   ///< positive: counter-clockwise; of float precision
+  std::int64_t arrival_ns = 0;      ///< when the bytes came that completed the scan, on the same clock
+  double start_angle_rad = 0.0;     ///< of the first beam in the scan frame; of float precision, as in messages
+  double angle_step_rad = 0.0;      ///< positive: counter-clockwise; beams stand in the order of their time
+  std::int64_t beam_period_ns = 0;  ///< from beam to beam; 0: unknown, or not even
   /// Infinity: nothing within the laser's range; 0: the device cannot say. Valid until the session's next call.
   std::span<const float> ranges_m{};
 };
@@ -62,6 +63,9 @@ struct LrfCounters {
   std::uint64_t clock_resets = 0;   ///< times that the device's clock was seen to start anew
   std::uint64_t identical = 0;      ///< scans equal to the one before, range for range: a live laser shows noise
   std::uint64_t identical_run = 0;  ///< of these: how many the last ones in a row are
+
+  /// Counts a frame that was refused, and tells of it.
+  void reject(Errc reason, LrfSink& sink);
 };
 
 /// What the device says of itself.

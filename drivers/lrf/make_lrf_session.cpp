@@ -1,14 +1,28 @@
 #include "drivers/lrf/make_lrf_session.hpp"
 
+#include <sys/ioctl.h>
+
+#include "drivers/io/device_address.hpp"
+#include "drivers/lrf/rplidar/rplidar_session.hpp"
 #include "drivers/lrf/scip/scip_session.hpp"
+#include "drivers/lrf/sick/sick_session.hpp"
 
 namespace odoless {
 
 std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_max) {
   ODOLESS_CHECK(parameters_in_range(params));
-  switch (params.driver) {
+  LrfParams fitting = params;
+  if (const auto address = parse_device_address(params.device);
+      address.ok() && !std::holds_alternative<SerialAddress>(address.value())) {
+    fitting.baud = 0;  // the line has no rate, so the device isn't to be told one
+  }
+  switch (fitting.driver) {
     case LrfDriver::kScip:
-      return std::make_unique<ScipSession>(params, beams_max);
+      return std::make_unique<ScipSession>(fitting, beams_max);
+    case LrfDriver::kSick:
+      return std::make_unique<SickSession>(fitting, beams_max);
+    case LrfDriver::kRplidar:
+      return std::make_unique<RplidarSession>(fitting, beams_max);
     case LrfDriver::kLcm:
       break;
   }
@@ -16,8 +30,12 @@ std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_
   return nullptr;
 }
 
-Result<FileDescriptor> open_lrf_line(const LrfParams& params) {
-  return open_serial({.path = params.device, .baud = params.baud});
+void set_up_lrf_line(const LrfParams& params, int descriptor) {
+  if (params.driver == LrfDriver::kRplidar) {
+    // The A1's motor turns while this signal is off, and opening the line has put it on. Lines without it don't mind.
+    const int data_terminal_ready = TIOCM_DTR;
+    static_cast<void>(::ioctl(descriptor, TIOCMBIC, &data_terminal_ready));
+  }
 }
 
 }  // namespace odoless

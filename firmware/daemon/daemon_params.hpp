@@ -4,6 +4,7 @@
 
 #include "config/robot_params.hpp"
 #include "drivers/lrf/lrf_params.hpp"
+#include "firmware/gpio/gpio_params.hpp"
 #include "firmware/health/health_monitor.hpp"
 #include "firmware/lcm/lcm_params.hpp"
 #include "firmware/lcm/log_writer_params.hpp"
@@ -24,6 +25,7 @@ struct ControlParams {
 struct DaemonParams {
   RobotParams robot;
   LrfParams lrf;
+  GpioParams gpio;
   LcmParams lcm;
   PipelineParams pipeline;
   LogWriterParams recorder;
@@ -33,6 +35,8 @@ struct DaemonParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.group("lrf", self.lrf, "The laser range finder.");
+    visit.group("gpio", self.gpio,
+                "Lines of the machine: emergency stop, sync pulse, the laser's power, status light.");
     visit.group("lcm", self.lcm, "What is published.");
     visit.group("pipeline", self.pipeline, "Threads, queues and time budgets of the daemon.");
     visit.group("recorder", self.recorder, "The log of all messages.");

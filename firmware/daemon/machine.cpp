@@ -43,6 +43,9 @@ Machine::Machine(DaemonOptions& options)
   if (filter_) {
     filter_loop_ = std::make_unique<FilterLoop>(pipeline_, *filter_, params, options.params.lcm.map_refresh_s);
   }
+  if (!is_replay_) {
+    gpio_thread_ = std::make_unique<GpioThread>(options.params.gpio, gpio_signals_, clock_, pipeline_.sensor.wake);
+  }
 }
 
 std::unique_ptr<ScanSource> Machine::make_source(DaemonOptions& options) {
@@ -50,6 +53,7 @@ std::unique_ptr<ScanSource> Machine::make_source(DaemonOptions& options) {
   const Channels channels(params.lcm.prefix);
   const int beams_max = params.robot.scan.beams_max;
   if (options.source) {
+    is_replay_ = true;
     return std::move(options.source);
   }
   if (!has_matcher(stages_)) {
@@ -59,7 +63,10 @@ std::unique_ptr<ScanSource> Machine::make_source(DaemonOptions& options) {
     return std::make_unique<LcmSource>(params.lcm, params.lrf.channel, "", beams_max);
   }
   reads_laser_ = true;
-  return std::make_unique<LrfSource>(params.lrf, beams_max, line_);
+  auto laser = std::make_unique<LrfSource>(params.lrf, beams_max, line_);
+  const GpioParams& gpio = params.gpio;
+  laser->attach(gpio_signals_, gpio.sync_line.empty() ? std::nullopt : std::optional(gpio.sync_delay_ns));
+  return laser;
 }
 
 std::unique_ptr<Intake> Machine::make_intake(const DaemonOptions& options) {
@@ -87,8 +94,8 @@ int Machine::start(bool enforce) {
     return thread.start([enforce, calls, body = std::move(body)] { enforce ? run_enforced(calls, body) : body(); });
   };
   const std::atomic<bool>& before_filter = matcher_ ? pipeline_.matcher.done : pipeline_.sensor.done;
-  int error = 0;
-  if (filter_loop_) {
+  int error = gpio_thread_ ? gpio_thread_->start() : 0;
+  if (filter_loop_ && error == 0) {
     error = run(filter_thread_, worker_system_calls(), [this, &before_filter] { filter_loop_->run(before_filter); });
   }
   if (matcher_loop_ && error == 0) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "firmware/daemon/daemon.hpp"
+#include "firmware/gpio/gpio_thread.hpp"
 #include "firmware/pipeline/pipeline.hpp"
 #include "firmware/publisher/publisher.hpp"
 #include "firmware/sources/lrf_source.hpp"
@@ -45,6 +46,8 @@ class Machine {
   [[nodiscard]] Publisher& publisher() { return publisher_; }
   [[nodiscard]] LineHandover& line() { return line_; }
   [[nodiscard]] bool reads_laser() const { return reads_laser_; }
+  /// What GPIO says and is told; where there is none, nothing is ever stopped.
+  [[nodiscard]] GpioSignals& gpio() { return gpio_signals_; }
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:
@@ -55,7 +58,9 @@ class Machine {
   StageSet stages_;
   Pipeline pipeline_;
   LineHandover line_;
+  GpioSignals gpio_signals_;
   bool reads_laser_ = false;
+  bool is_replay_ = false;
   std::unique_ptr<ScanSource> source_;
   std::unique_ptr<Intake> intake_;
   std::unique_ptr<MatcherStage> matcher_;
@@ -64,6 +69,7 @@ class Machine {
   std::unique_ptr<SensorLoop> sensor_loop_;
   std::unique_ptr<MatcherLoop> matcher_loop_;
   std::unique_ptr<FilterLoop> filter_loop_;
+  std::unique_ptr<GpioThread> gpio_thread_;
   RealTimeThread sensor_thread_;
   RealTimeThread matcher_thread_;
   RealTimeThread filter_thread_;

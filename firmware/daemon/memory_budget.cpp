@@ -75,7 +75,8 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
                                                      filter->geometry(), *pipeline, "");
   meter.note("publisher: the map as published, messages");
   std::vector<MemoryShare> shares = meter.take();
-  shares.push_back({"stacks of the threads", kStages * ThreadParams{}.stack_bytes + kOrdinaryStacks_bytes});
+  shares.push_back({"stacks of the threads",
+                    (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes + kOrdinaryStacks_bytes});
   shares.push_back({"program and libraries", program_bytes()});
   return shares;
 }

@@ -29,6 +29,7 @@ FileDescriptor block_signals() {
     sigaddset(&set, signal);
   }
   static_cast<void>(pthread_sigmask(SIG_BLOCK, &set, nullptr));
+  static_cast<void>(std::signal(SIGPIPE, SIG_IGN));  // a line whose other side is gone says so by itself
   return FileDescriptor(::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
 }
 
@@ -50,7 +51,8 @@ std::optional<Pose2> parse_pose(std::string_view text) {
 Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t standing_reasons)
     : options_(options),
       machine_(machine),
-      keeper_(options.params.lrf, machine.line(), machine.pipeline().sensor.wake),
+      keeper_(options.params.lrf, machine.line(), machine.pipeline().sensor.wake,
+              options.params.pipeline.sensor_priority),
       signals_(block_signals()) {
   surroundings_.standing_reasons = standing_reasons;
   surroundings_.device_tried = false;
@@ -80,7 +82,9 @@ int Supervisor::open_laser() {
   const std::string& device = options_.params.lrf.device;
   if (laser_error_ != Errc::kDeviceMissing) {
     log_line(EventPriority::kError, fmt::format("{}: {} (lrf.device)", device, describe(laser_error_)));
-    return laser_error_ == Errc::kDeviceDenied ? EX_NOPERM : EX_UNAVAILABLE;
+    return laser_error_ == Errc::kDeviceDenied ? EX_NOPERM
+           : laser_error_ == Errc::kBadAddress ? EX_CONFIG
+                                               : EX_UNAVAILABLE;
   }
   log_line(EventPriority::kWarning,
            fmt::format("{}: {}; it is opened as soon as it is there (lrf.device)", device, describe(laser_error_)));
@@ -149,6 +153,7 @@ bool Supervisor::watch() {
   const char* const silent = machine_.silent_stage();
   silent_ns_ = silent == nullptr ? 0 : silent_ns_ + kWatch_ns;
   surroundings_.stage_silent = silent_ns_ > 0 && silent_ns_ + kWatch_ns > options_.params.pipeline.watchdog_ns / 2;
+  follow_gpio();
   machine_.publisher().set_surroundings(surroundings_);
   if (silent_ns_ == 0) {
     notify_service_manager(fmt::format("WATCHDOG=1\nSTATUS={}", state_sentence(machine_.publisher().health())));
@@ -159,6 +164,25 @@ bool Supervisor::watch() {
   log_line(EventPriority::kCritical,
            fmt::format("the {} stage hangs: the daemon ends, to be started again (pipeline.watchdog_ms)", silent));
   return false;
+}
+
+void Supervisor::follow_gpio() {
+  GpioSignals& gpio = machine_.gpio();
+  if (const bool stopped = gpio.stopped; stopped != surroundings_.stopped) {
+    surroundings_.stopped = stopped;
+    log_line(EventPriority::kWarning,
+             stopped ? "emergency stop: pressed, or its line is lost" : "emergency stop: released");
+  }
+  if (const bool lost = gpio.line_lost || gpio.sync_missing; lost != surroundings_.gpio_lost) {
+    surroundings_.gpio_lost = lost;
+    log_line(EventPriority::kWarning,
+             lost ? "GPIO: a line cannot be used, or the sync pulse is missing ([gpio])" : "GPIO: all lines are there");
+  }
+  if (const std::int64_t cycles = gpio.power_cycles; cycles != power_cycles_) {
+    power_cycles_ = cycles;
+    log_line(EventPriority::kWarning, "laser: without a scan for too long: switched off and on (gpio.power_line)");
+  }
+  gpio.state = machine_.publisher().health().state;
 }
 
 void Supervisor::reload() {

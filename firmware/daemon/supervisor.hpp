@@ -33,6 +33,7 @@ class Supervisor {
   void handle_signal();
   void keep_laser_open();
   [[nodiscard]] bool watch();
+  void follow_gpio();
   void reload();
   [[nodiscard]] std::string obey(std::string_view command);
   [[nodiscard]] std::string command_filter(std::string_view word, std::string_view arguments);
@@ -54,6 +55,7 @@ class Supervisor {
   Errc laser_error_ = Errc::kOk;
   std::int64_t next_watch_ns_ = 0;
   std::int64_t silent_ns_ = 0;
+  std::int64_t power_cycles_ = 0;
 };
 
 }  // namespace odoless

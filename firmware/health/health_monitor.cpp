@@ -32,8 +32,8 @@ const HealthReport& HealthMonitor::update(const SensorReport& sensor, const Matc
   copy_figures(sensor, matcher, filter, surroundings, now_ns);
   report_.reasons = surroundings.standing_reasons | sensor_reasons(sensor, surroundings, now_ns) |
                     estimate_reasons(matcher, filter, now_ns) | load_reasons(report_, now_ns) |
-                    when(surroundings.stage_silent, kReasonStageSilent) |
-                    when(surroundings.storage_error != 0, kReasonStorage);
+                    when(surroundings.stage_silent, kReasonStageSilent) | when(surroundings.stopped, kReasonStopped) |
+                    when(surroundings.gpio_lost, kReasonGpio) | when(surroundings.storage_error != 0, kReasonStorage);
   report_.latched_reasons |= report_.reasons;
   report_.state = state_of(sensor, filter);
   return report_;
@@ -88,7 +88,8 @@ HealthState HealthMonitor::state_of(const SensorReport& sensor, const FilterRepo
   if (filter.lost) {
     return HealthState::kLost;
   }
-  constexpr std::uint32_t kHarmless = kReasonNotRealTime | kReasonPaused | kReasonPublishing | kReasonStorage;
+  constexpr std::uint32_t kHarmless =
+      kReasonNotRealTime | kReasonPaused | kReasonPublishing | kReasonStorage | kReasonStopped;
   return (report_.reasons & ~kHarmless) != 0 ? HealthState::kDegraded : HealthState::kOk;
 }
 

@@ -13,7 +13,7 @@ struct HealthParams {
   double silent_periods = 1.75;
   std::int64_t fault_after_ns = 1'000'000'000;
   int poor_matches = 3;
-  double weak_information_1_m2 = 0.5;
+  double weak_information_1_m2 = 15.0;
   std::int64_t deadline_memory_ns = 5'000'000'000;
 
   template <class Self, class Visitor>
@@ -35,6 +35,8 @@ struct Surroundings {
   std::uint32_t standing_reasons = 0;  ///< that hold for the whole run: kReasonNotRealTime
   bool device_tried = true;            ///< opening the device failed, or the line was lost
   bool stage_silent = false;
+  bool stopped = false;    ///< the emergency stop
+  bool gpio_lost = false;  ///< a line of GPIO, or the sync pulse
   std::int32_t scan_queue_high_water = 0;
   std::int32_t motion_queue_high_water = 0;
   std::int64_t records_dropped = 0;

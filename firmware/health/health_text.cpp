@@ -8,7 +8,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<const char*, 17> kReasonTexts{"no scans",
+constexpr std::array<const char*, 19> kReasonTexts{"no scans",
                                                    "the laser cannot be opened",
                                                    "scans are refused",
                                                    "the laser sees nothing",
@@ -24,7 +24,9 @@ constexpr std::array<const char*, 17> kReasonTexts{"no scans",
                                                    "LCM refuses messages",
                                                    "a stage does not answer",
                                                    "datagrams were lost",
-                                                   "mapping is paused"};
+                                                   "mapping is paused",
+                                                   "emergency stop",
+                                                   "a GPIO line or the sync pulse is missing"};
 
 }  // namespace
 

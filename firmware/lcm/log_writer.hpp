@@ -36,6 +36,10 @@ class LogWriter : public LcmTap {
  public:
   /// Looks for files of earlier runs; opens none.
   explicit LogWriter(const LogWriterParams& params);
+  LogWriter(const LogWriter&) = delete;
+  LogWriter& operator=(const LogWriter&) = delete;
+  LogWriter(LogWriter&&) = delete;
+  LogWriter& operator=(LogWriter&&) = delete;
   ~LogWriter() override;
 
   void record(std::string_view channel, std::span<const std::byte> message, std::int64_t stamp_ns) override;

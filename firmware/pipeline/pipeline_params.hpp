@@ -11,9 +11,9 @@ struct PipelineParams {
   int scan_queue = 8;
   int motion_queue = 64;
   std::int64_t matcher_budget_ns = 20'000'000;
-  std::int64_t filter_budget_ns = 16'000'000;
+  std::int64_t filter_budget_ns = 20'000'000;
   int particles_min = 20;
-  std::int64_t watchdog_ns = 500'000'000;
+  std::int64_t watchdog_ns = 2'000'000'000;
   int sensor_priority = 60;
   int matcher_priority = 50;
   int filter_priority = 40;

@@ -39,6 +39,7 @@ class PoseSpool {
     Pose2 update_T_scan{};
   };
   struct Closer {
+    // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): it is the owner
     void operator()(std::FILE* file) const { static_cast<void>(std::fclose(file)); }
   };
   [[nodiscard]] std::vector<Entry> read_all();

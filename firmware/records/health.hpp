@@ -33,6 +33,8 @@ enum HealthReason : std::uint32_t {
   kReasonStageSilent = 1U << 14,    ///< a stage does not answer
   kReasonDatagramsLost = 1U << 15,  ///< the other half of the pipeline was not heard for a while
   kReasonPaused = 1U << 16,         ///< somebody asked for a pause of mapping
+  kReasonStopped = 1U << 17,        ///< the emergency stop is pressed, or its line is lost: nothing moves
+  kReasonGpio = 1U << 18,           ///< a GPIO line cannot be used, or the sync pulse doesn't come
 };
 
 /// The scan source since start. Rates and ages are taken at the time of the report.

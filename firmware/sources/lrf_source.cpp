@@ -5,12 +5,20 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "drivers/io/serial_port.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
 
 namespace odoless {
 
 LrfSource::LrfSource(const LrfParams& params, int beams_max, LineHandover& line)
     : params_(params), session_(make_lrf_session(params, beams_max)), line_(line) {}
+
+void LrfSource::attach(GpioSignals& signals, std::optional<std::int64_t> sync_delay_ns) {
+  signals_ = &signals;
+  if (sync_delay_ns) {
+    sync_.emplace(*sync_delay_ns);
+  }
+}
 
 std::int64_t LrfSource::next_deadline_ns() const {
   return is_open() ? std::min(session_->next_deadline_ns(), last_scan_or_open_ns_ + kReopen_ns) : kNever_ns;
@@ -54,6 +62,7 @@ void LrfSource::work(std::int64_t now_ns, ScanSink& sink) {
 
 bool LrfSource::read_all(std::int64_t now_ns) {
   for (int i = 0; i < kReadsPerRound; ++i) {
+    errno = 0;  // 0 bytes: the other side has ended it
     const ssize_t size_bytes = ::read(descriptor_, buffer_.data(), buffer_.size());
     if (size_bytes == 0 || (size_bytes < 0 && errno != EAGAIN && errno != EINTR)) {
       return false;
@@ -84,11 +93,28 @@ void LrfSource::write_all() {
 void LrfSource::on_scan(const LrfScan& scan) {
   last_scan_or_open_ns_ = scan.arrival_ns;
   RawScan raw;
-  raw.stamp_ns = scan.stamp_ns;
+  raw.stamp_ns = synchronized_ns(scan.stamp_ns);
   raw.start_angle_rad = scan.start_angle_rad;
   raw.angle_step_rad = scan.angle_step_rad;
+  raw.beam_period_ns = params_.deskew ? scan.beam_period_ns : 0;
   raw.ranges_m = scan.ranges_m;
   sink_->on_scan(raw);
+}
+
+std::int64_t LrfSource::synchronized_ns(std::int64_t stamp_ns) {
+  if (signals_ == nullptr) {
+    return stamp_ns;
+  }
+  signals_->last_scan_ns.store(last_scan_or_open_ns_, std::memory_order_relaxed);
+  if (!sync_) {
+    return stamp_ns;
+  }
+  for (std::int64_t pulse_ns = 0; signals_->sync_pulses_ns.try_pop(pulse_ns);) {
+    sync_->on_pulse(pulse_ns);
+  }
+  const std::int64_t refined_ns = sync_->refine(stamp_ns);
+  signals_->sync_missing.store(sync_->missed_in_a_row() >= kSyncMissing, std::memory_order_relaxed);
+  return refined_ns;
 }
 
 void LrfSource::on_event(const LrfEvent& event) {
@@ -112,8 +138,8 @@ void LrfSource::add_counts(SourceHealth& health) const {
   health.reconnects += std::max<std::int64_t>(opened_ - 1, 0);
 }
 
-LrfKeeper::LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor)
-    : params_(params), line_(line), sensor_(sensor) {}
+LrfKeeper::LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor, int priority)
+    : params_(params), device_(params.device, params.baud), line_(line), sensor_(sensor), priority_(priority) {}
 
 LrfKeeper::~LrfKeeper() {
   const FileDescriptor offered(line_.offered.exchange(-1));
@@ -131,13 +157,14 @@ Errc LrfKeeper::tick(std::int64_t now_ns) {
   if (in_use || now_ns < next_try_ns_) {
     return Errc::kOk;
   }
-  Result<FileDescriptor> opened = open_lrf_line(params_);
+  Result<FileDescriptor> opened = device_.open(priority_);
   if (!opened.ok()) {
     next_try_ns_ = now_ns + pause_ns_;
     pause_ns_ = std::min(2 * pause_ns_, kPauseMax_ns);
     return opened.error();
   }
   pause_ns_ = kPauseMin_ns;
+  set_up_lrf_line(params_, opened.value().get());
   line_.in_use.store(true, std::memory_order_release);
   line_.offered.store(opened.take().release(), std::memory_order_release);
   sensor_.notify();

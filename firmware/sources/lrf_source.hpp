@@ -5,9 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
+#include "drivers/io/device_line.hpp"
 #include "drivers/lrf/lrf_params.hpp"
 #include "drivers/lrf/lrf_session.hpp"
+#include "drivers/lrf/sync_clock.hpp"
+#include "firmware/gpio/gpio_signals.hpp"
 #include "firmware/stages/scan_source.hpp"
 #include "rt/wake_up.hpp"
 
@@ -21,12 +25,16 @@ struct LineHandover {
   std::atomic<bool> in_use{false};  ///< set by who offers, cleared by who returns
 };
 
-/// A laser range finder on a serial line.
+/// A laser range finder on its line: serial, TCP or USB.
 ///
 /// Thread: sensor thread. Real time: system calls read, write, and ioctl where the rate of the line changes.
 class LrfSource final : public ScanSource, private LrfSink {
  public:
   LrfSource(const LrfParams& params, int beams_max, LineHandover& line);
+
+  /// To be called before the thread starts, if at all: tells when scans come, and takes sync pulses.
+  /// @param sync_delay_ns  From a pulse to the first beam; nothing: there are none.
+  void attach(GpioSignals& signals, std::optional<std::int64_t> sync_delay_ns);
 
   [[nodiscard]] int descriptor() const override { return descriptor_; }
   [[nodiscard]] std::int64_t next_deadline_ns() const override;
@@ -42,8 +50,10 @@ class LrfSource final : public ScanSource, private LrfSink {
   /// False when the line is gone.
   [[nodiscard]] bool read_all(std::int64_t now_ns);
   void write_all();
+  [[nodiscard]] std::int64_t synchronized_ns(std::int64_t stamp_ns);
 
   static constexpr int kReadsPerRound = 16;
+  static constexpr std::int64_t kSyncMissing = 20;           ///< scans without a pulse that are told of
   static constexpr std::int64_t kReopen_ns = 2'000'000'000;  ///< without a scan: perhaps opening anew helps
 
   LrfParams params_;
@@ -54,6 +64,8 @@ class LrfSource final : public ScanSource, private LrfSink {
   std::int64_t last_scan_or_open_ns_ = 0;
   std::int64_t opened_ = 0;
   std::int64_t write_errors_ = 0;
+  GpioSignals* signals_ = nullptr;
+  std::optional<SyncClock> sync_;
   ScanSink* sink_ = nullptr;  ///< during `work`
   std::array<std::byte, 4096> buffer_{};
 };
@@ -63,7 +75,12 @@ class LrfSource final : public ScanSource, private LrfSink {
 /// Thread: supervisor; not real-time.
 class LrfKeeper {
  public:
-  LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor);
+  /// @param priority  Of the thread that a laser on USB needs besides.
+  LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor, int priority);
+  LrfKeeper(const LrfKeeper&) = delete;
+  LrfKeeper& operator=(const LrfKeeper&) = delete;
+  LrfKeeper(LrfKeeper&&) = delete;
+  LrfKeeper& operator=(LrfKeeper&&) = delete;
   ~LrfKeeper();
 
   /// Does what is due. @return kOk while the line is open or nothing was tried, else why it could not be opened.
@@ -74,8 +91,10 @@ class LrfKeeper {
   static constexpr std::int64_t kPauseMax_ns = 500'000'000;
 
   LrfParams params_;
+  DeviceLine device_;
   LineHandover& line_;
   WakeUp& sensor_;
+  int priority_;
   std::int64_t next_try_ns_ = 0;
   std::int64_t pause_ns_ = kPauseMin_ns;
 };

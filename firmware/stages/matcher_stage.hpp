@@ -15,7 +15,8 @@ class MatcherStage {
  public:
   MatcherStage(const RobotParams& params, std::uint64_t seed);
 
-  [[nodiscard]] OdometryStep process(const ScanFrame& scan, const Deadline& deadline = {});
+  /// Deskews `scan` by the motion so far, where it tells its beams' times; the filter wants it like that too.
+  [[nodiscard]] OdometryStep process(ScanFrame& scan, const Deadline& deadline = {});
 
  private:
   LaserOdometry odometry_;

@@ -63,7 +63,7 @@ void FilterLoop::obey(const FilterCommand& command) {
 
 // An update's time is nearly all the particles'. Slowly up, at once down.
 void FilterLoop::adapt(std::int64_t used_ns) {
-  constexpr double kAim = 0.5;      // of the budget: one update may take much longer than the one before
+  constexpr double kAim = 0.4;      // of the budget: one update may take much longer than the one before
   constexpr double kGrowth = 1.05;  // at most, from one update to the next
   const double wanted =
       particles_ * std::min(kGrowth, kAim * static_cast<double>(budget_ns_) / static_cast<double>(used_ns));

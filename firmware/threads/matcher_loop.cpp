@@ -45,7 +45,7 @@ void MatcherLoop::run() {
 
 void MatcherLoop::process(ScanSlot slot) {
   timer_.begin();
-  const ScanFrame& scan = pipeline_.pool.at(slot);
+  ScanFrame& scan = pipeline_.pool.at(slot);
   OdometryStep step;
   if (pipeline_.lossless) {
     step = stage_.process(scan);

@@ -56,7 +56,7 @@ class StageTimer {
   [[nodiscard]] std::int64_t used_ns() const { return thread_cpu_ns() - start_ns_; }
 
   /// @return  CPU time since `begin`.
-  std::int64_t end(StageReport& report) {
+  std::int64_t end(StageReport& report) const {
     const std::int64_t cpu_ns = used_ns();
     report.cpu.record(cpu_ns);
     report.deadline_misses += cpu_ns > budget_ns_ ? 1 : 0;

@@ -37,16 +37,16 @@ class DaemonTest(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def write_config(self, name, more=""):
+    def write_config(self, name, more="", device=None):
         with open(self.path(name), "w", encoding="utf-8") as file:
             file.write(
-                f'[lrf]\ndevice = "{self.path("laser")}"\n[lcm]\nurl = ""\n'
+                f'[lrf]\ndevice = "{device or self.path("laser")}"\n[lcm]\nurl = ""\n'
                 f'[control]\nsocket = "{self.path("control")}"\n{more}'
             )
         return self.path(name)
 
-    def start(self, *command):
-        process = subprocess.Popen(program(*command), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    def start(self, *command, stdout=subprocess.DEVNULL):
+        process = subprocess.Popen(program(*command), stdout=stdout, stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end, process)
         return process
 
@@ -130,6 +130,23 @@ class DaemonTest(unittest.TestCase):
         self.assertLess(self.wait_until(lambda: not self.state().startswith("FAULT"), 10), 1.0)
         self.wait_until(lambda: self.state() == "OK" or "refused" in self.state(), 10)
 
+    def test_reads_a_laser_on_a_network_and_has_it_back_after_it_was_gone(self):
+        laser = self.start("odoless", "emulate", "lrf", "--from", WORLD, "--tcp", 0, stdout=subprocess.PIPE)
+        address = laser.stdout.readline().split()[-1]
+        self.config = self.write_config("tcp.toml", device=address)
+        self.start_daemon("--enforce-realtime")
+        self.wait_until(lambda: self.state() == "OK", 10)
+        laser.kill()
+        laser.wait()
+        self.wait_until(lambda: "opened" in self.state(), 1)
+        self.start("odoless", "emulate", "lrf", "--from", WORLD, "--tcp", address.split(":")[-1])
+        self.assertLess(self.wait_until(lambda: "opened" not in self.state() and "no scans" not in self.state(), 10), 2.0)
+
+    def test_refuses_an_address_that_makes_no_sense(self):
+        outcome = run("odolessd", "--config", self.write_config("name.toml", device="tcp://laser:10940"))
+        self.assertEqual(outcome.returncode, EX_CONFIG)
+        self.assertIn("lrf.device", outcome.stderr)
+
     def test_flags_a_laser_that_falls_silent_within_two_periods(self):
         laser = self.start_laser()  # its line stays open: only the time tells
         self.start_daemon()
@@ -141,6 +158,26 @@ class DaemonTest(unittest.TestCase):
         self.assertLess(time.monotonic() - stopped, 2 * PERIOD_S + self.answer_s())
         laser.send_signal(signal.SIGCONT)
         self.wait_until(lambda: self.state() == "OK", 10)
+
+    def test_comes_through_every_fault_of_its_laser(self):
+        faults = ("garbage@2:1", "wrong-sum@4:1", "truncate@6:1", "reboot@8", "silence@11:1", "stuck@14:1", "one-byte@16:1")
+        arguments = [word for fault in faults for word in ("--fault", fault)]
+        self.start_laser("--start-delay-s", "60", *arguments)  # the robot stands: only the laser misbehaves
+        daemon = self.start_daemon("--enforce-realtime")
+        self.wait_until(lambda: self.state() == "OK", 10)
+        time.sleep(18)
+        self.wait_until(lambda: self.state() == "OK" or "refused" in self.state(), 10)
+        daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+        summary = self.summary()
+        for reason in ("no scans", "scans are refused", "the same scan again and again"):
+            self.assertIn(reason, summary["latched_reasons"])
+        self.assertGreater(summary["scans_rejected"], 50)
+        self.assertGreater(summary["scans"], 400)
+        with open(self.path("out/trajectory_online.tum"), encoding="utf-8") as file:
+            for line in file:
+                x_m, y_m = map(float, line.split()[1:3])
+                self.assertLess(x_m**2 + y_m**2, 0.05**2, line)  # it never believed what was not so
 
     def test_obeys_commands(self):
         self.start_laser()

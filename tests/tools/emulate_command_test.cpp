@@ -9,6 +9,7 @@
 #include <csignal>
 #include <fstream>
 #include <thread>
+#include <tuple>
 
 #include "rt/cpu_clock.hpp"
 #include "tests/support/run_command.hpp"
@@ -70,6 +71,9 @@ void listen(const FileDescriptor& port, LrfSession& session, test::Heard& heard,
   const std::int64_t end_ns = monotonic_ns() + 10 * test::kSecond;
   session.reset(monotonic_ns());
   while (heard.scans.size() < scans && monotonic_ns() < end_ns) {
+    if (session.line_baud() != 0 && session.line_baud() != serial_baud(port.get())) {
+      ASSERT_EQ(set_serial_baud(port.get(), session.line_baud()), Errc::kOk);
+    }
     const auto request = session.transmit();
     ASSERT_EQ(::write(port.get(), request.data(), request.size()), static_cast<ssize_t>(request.size()));
     pollfd line{.fd = port.get(), .events = POLLIN, .revents = 0};
@@ -119,6 +123,38 @@ TEST(EmulateLrf, ServesARealTerminalAndTellsTheTruth) {
   }
   EXPECT_LT(nearest_s, 0.01);
   EXPECT_EQ(session->counters().rejected, 0U);
+}
+
+TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
+  LrfParams sick;
+  sick.driver = LrfDriver::kSick;
+  sick.baud = 500000;
+  LrfParams slow_sick = sick;
+  slow_sick.baud = 38400;
+  LrfParams rplidar;
+  rplidar.driver = LrfDriver::kRplidar;
+  LrfParams express = rplidar;
+  express.rplidar_scan = RplidarScan::kExpress;
+  for (const auto& [model, params, ahead] : std::vector<std::tuple<std::string, LrfParams, std::size_t>>{
+           {"lms291", sick, 180}, {"lms200", slow_sick, 180}, {"rplidar-a1", rplidar, 0}, {"rplidar-a2", express, 0}}) {
+    SCOPED_TRACE(model);
+    const test::TemporaryFolder folder;
+    const std::string pty = folder.path() / "laser";
+    const std::string world = folder.file("a.world", "room 0 0  8 4\nspeed 0.01\ngo 1 2  1.01 2\n");
+    const Emulator emulator({"--from", world, "--pty", pty, "--model", model, "--noise-sd-m", "0"});
+    const auto session = make_lrf_session(params, 2048);
+    test::Heard heard;
+    const FileDescriptor port = open_when_there(pty);
+    ASSERT_TRUE(port.valid());
+    listen(port, *session, heard, 8);
+    ASSERT_GE(heard.scans.size(), 8U);
+    EXPECT_EQ(session->line_baud(), serial_baud(port.get()));
+    EXPECT_EQ(session->counters().rejected, 0U);
+    EXPECT_NEAR(heard.scans.back().ranges_m[ahead], 7.0, 0.02);
+    const std::int64_t since_ns = heard.scans.back().stamp_ns - heard.scans[heard.scans.size() - 2].stamp_ns;
+    const auto period_ns = static_cast<double>(session->geometry().period_ns);
+    EXPECT_NEAR(static_cast<double>(since_ns), period_ns, 0.2 * period_ns);
+  }
 }
 
 TEST(EmulateLrf, ServesALogAtItsRecordedPace) {

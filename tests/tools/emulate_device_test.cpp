@@ -33,7 +33,7 @@ class EmulatedScip : public ::testing::Test {
 
   std::int64_t now_ns_ = test::kSecond;
   ScipModel model_ = *find_scip_model("utm-30lx");
-  WorldSource source_{model_, test::small_drive()};
+  WorldSource source_{model_.turn_ns(), test::small_drive()};
   ScipDevice device_{model_, source_, {}, now_ns_};
 };
 
@@ -126,7 +126,7 @@ TEST_F(EmulatedScip, ScansKeepToTheMirrorsTime) {
 
 TEST(EmulatedUrg, SpeaksScip1UntilItIsTold) {
   const ScipModel model = *find_scip_model("urg-04lx");
-  WorldSource source(model, test::small_drive());
+  WorldSource source(model.turn_ns(), test::small_drive());
   ScipDevice device(model, source, {}, 0);
   device.receive("QT\nSCIP2.0\nQT\n", 0);
   std::string all;

@@ -6,118 +6,32 @@
 
 #include "core/base/rng.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/tools/emulate_stream.hpp"
 #include "tests/tools/emulate_support.hpp"
 
 namespace odoless {
 namespace {
 
+using test::are_among;
+using test::heard_from;
 using test::HeardScan;
 using test::kMs;
+using test::kMutations;
+using test::Stream;
 
-/// A device and what it answers, brought up to the stream anew for each try.
-class Stream {
- public:
-  explicit Stream(LrfParams params = {}) : params_(params) {
-    test::Bench bench("urg-04lx", {}, params);
-    bench.on_the_way = [&](std::string& bytes) { pieces_.push_back(bytes); };
-    bench.reset();
-    for (int i = 0; i < 100 && !bench.session().ready(); ++i) {
-      bench.run(20 * kMs);
-    }
-    before_ = pieces_;
-    pieces_.clear();
-    bench.run(450 * kMs);
-    for (const std::string& piece : pieces_) {
-      scans_ += piece;
-    }
-  }
-
-  [[nodiscard]] const std::string& scans() const { return scans_; }
-  [[nodiscard]] std::size_t scan_count() const { return pieces_.size(); }
-
-  /// A session that has been brought up by the recorded answers.
-  [[nodiscard]] std::unique_ptr<LrfSession> ready_session(test::Heard& heard) const {
-    auto session = make_lrf_session(params_, 1000);
-    session->reset(0);
-    std::int64_t now_ns = 0;
-    for (std::size_t next = 0; next < before_.size() && now_ns < 10 * test::kSecond; now_ns += kMs) {
-      if (!session->transmit().empty()) {
-        give(*session, before_[next++], now_ns, heard);
-      }
-      session->tick(now_ns, heard);
-    }
-    EXPECT_TRUE(session->ready());
-    heard = {};
-    return session;
-  }
-
-  static void give(LrfSession& session, std::string_view bytes, std::int64_t now_ns, LrfSink& sink) {
-    session.receive(std::as_bytes(std::span(bytes.data(), bytes.size())), now_ns, sink);
-  }
-
- private:
-  LrfParams params_;
-  std::vector<std::string> before_;
-  std::vector<std::string> pieces_;
-  std::string scans_;
-};
-
-/// All scans that are heard when these bytes come, a scan's worth per period.
-std::vector<HeardScan> heard_from(const Stream& stream, const std::string& bytes) {
-  test::Heard heard;
-  const auto session = stream.ready_session(heard);
-  const std::size_t piece = stream.scans().size() / stream.scan_count();
-  std::int64_t now_ns = 20 * test::kSecond;
-  for (std::size_t at = 0; at < bytes.size(); at += piece, now_ns += 100 * kMs) {
-    Stream::give(*session, std::string_view(bytes).substr(at, piece), now_ns, heard);
-  }
-  return heard.scans;
-}
-
-/// Whether every scan of `heard` is, range for range, one of `sent`, in order.
-bool are_among(const std::vector<HeardScan>& heard, const std::vector<HeardScan>& sent) {
-  auto next = sent.begin();
-  for (const HeardScan& scan : heard) {
-    next = std::find_if(next, sent.end(), [&](const HeardScan& s) { return s.ranges_m == scan.ranges_m; });
-    if (next == sent.end()) {
-      return false;
-    }
-    ++next;
-  }
-  return true;
-}
-
-using Mutation = std::string (*)(std::string bytes, std::size_t at, Rng& rng);
-
-const std::map<std::string, Mutation> kMutations{
-    {"a flipped bit",
-     [](std::string bytes, std::size_t at, Rng& rng) {
-       bytes[at] = static_cast<char>(bytes[at] ^ (1 << rng.below(8)));
-       return bytes;
-     }},
-    {"another byte",
-     [](std::string bytes, std::size_t at, Rng& rng) {
-       bytes[at] = static_cast<char>(bytes[at] + 1 + static_cast<int>(rng.below(255)));
-       return bytes;
-     }},
-    {"a dropped byte", [](std::string bytes, std::size_t at, Rng&) { return bytes.erase(at, 1); }},
-    {"a doubled byte", [](std::string bytes, std::size_t at, Rng&) { return bytes.insert(at, 1, bytes[at]); }},
-    {"an inserted byte", [](std::string bytes, std::size_t at,
-                            Rng& rng) { return bytes.insert(at, 1, static_cast<char>(rng.below(256))); }},
-    {"an inserted line end", [](std::string bytes, std::size_t at, Rng&) { return bytes.insert(at, 1, '\n'); }},
-};
+Stream scip_stream(LrfParams params = {}) { return Stream("urg-04lx", params, 450 * kMs); }
 
 TEST(ScipRobustness, OneDamagedByteAnywhereCostsAtMostOneScan) {
   for (const LrfReading reading : {LrfReading::kRange, LrfReading::kShortRange}) {
     LrfParams params;
     params.reading = reading;
-    const Stream stream(params);
+    const Stream stream = scip_stream(params);
     const std::vector<HeardScan> sent = heard_from(stream, stream.scans());
     ASSERT_GE(sent.size(), 4U);
-    ASSERT_EQ(sent.size(), stream.scan_count());
+    ASSERT_EQ(sent.size(), stream.pieces());
     Rng rng(3);
     std::map<std::size_t, int> tries;
-    const std::size_t scan_bytes = stream.scans().size() / stream.scan_count();
+    const std::size_t scan_bytes = stream.scans().size() / stream.pieces();
     for (const auto& [name, mutate] : kMutations) {
       for (std::size_t at = scan_bytes; at < 2 * scan_bytes + 20; ++at) {
         const std::vector<HeardScan> heard = heard_from(stream, mutate(stream.scans(), at, rng));
@@ -132,7 +46,7 @@ TEST(ScipRobustness, OneDamagedByteAnywhereCostsAtMostOneScan) {
 }
 
 TEST(ScipRobustness, AnySplitGivesTheSame) {
-  const Stream stream;
+  const Stream stream = scip_stream();
   const std::vector<HeardScan> sent = heard_from(stream, stream.scans());
   Rng rng(5);
   for (int i = 0; i < 50; ++i) {
@@ -158,7 +72,7 @@ TEST(ScipRobustness, AnySplitGivesTheSame) {
 // Row 7 of the promises: 5 % of the bytes wrong. The sums have 6 bits; what they let through is told by lengths and
 // stamps.
 TEST(ScipRobustness, ManyWrongBytesGiveNoWrongScan) {
-  const Stream stream;
+  const Stream stream = scip_stream();
   const std::vector<HeardScan> sent = heard_from(stream, stream.scans());
   Rng rng(11);
   std::size_t wrong = 0;
@@ -208,7 +122,7 @@ TEST(ScipRobustness, NothingIsAllocatedAfterConstruction) {
   if (!AllocationGuard::kWorks) {
     GTEST_SKIP() << "the sanitizer has malloc";
   }
-  const Stream stream;
+  const Stream stream = scip_stream();
   std::vector<std::string> answers;
   test::Bench bench("urg-04lx");
   bench.on_the_way = [&](std::string& bytes) { answers.push_back(bytes); };

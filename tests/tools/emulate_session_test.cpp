@@ -28,7 +28,7 @@ void expect_scans_true(Bench& bench, std::int64_t stamp_error_max_ns) {
       }
     }
     ASSERT_NE(nearest, nullptr) << "no scan was sent with the stamp " << scan.stamp_ns;
-    bench.source().measure(nearest->index, true_m);
+    bench.source().measure(nearest->index, bench.model().beam_list(), true_m);
     ASSERT_EQ(scan.ranges_m.size(), true_m.size());
     for (std::size_t i = 0; i < true_m.size(); ++i) {
       if (true_m[i] * 1000.0 < bench.model().range_far_mm) {
@@ -58,6 +58,8 @@ TEST(ScipSession, BringsEveryModelUpAndHearsItsScans) {
     EXPECT_EQ(geometry.start_angle_rad, static_cast<double>(static_cast<float>(geometry.start_angle_rad)));
     EXPECT_EQ(bench.heard().scans[0].stamp_ns % 1000, 0);
     EXPECT_EQ(geometry.period_ns, model.turn_ns());
+    EXPECT_NEAR(static_cast<double>(bench.heard().scans[0].beam_period_ns * (model.beams() - 1)),
+                static_cast<double>(model.beam_list().back().time_ns - model.beam_list().front().time_ns), 2000.0);
     EXPECT_EQ(bench.session().counters().rejected, 0U);
     EXPECT_EQ(bench.session().counters().scans, bench.sent().size());
   }
@@ -138,7 +140,7 @@ TEST(ScipSession, HuntsForTheRateOfASilentDevice) {
 
 TEST(ScipSession, RefusesADeviceWithMoreBeamsThanThereIsRoomFor) {
   const ScipModel& model = *find_scip_model("utm-30lx");
-  WorldSource source(model, test::small_drive());
+  WorldSource source(model.turn_ns(), test::small_drive());
   ScipDevice device(model, source, {}, 0);
   const auto session = make_lrf_session({}, 1080);
   test::Heard heard;
@@ -229,6 +231,31 @@ TEST(ScipSession, ResetsADeviceThatSaysItIsBroken) {
   EXPECT_TRUE(bench.session().ready());
   EXPECT_EQ(bench.session().counters().device_errors, 1U);
   EXPECT_EQ(bench.session().counters().restarts, 1U);
+}
+
+// A counter that runs 1000 ppm fast and wraps, bytes up to 5 ms late: after 10 s, every stamp is within 1 ms of the
+// truth.
+TEST(ScipSession, StampsAreRightInSpiteOfDriftJitterAndWrap) {
+  Bench bench{"utm-30lx", {.faults = {parse_fault("drift=1000@0")}, .counter_start_ms = (1 << 24) - 12'000}};
+  Rng rng(9);
+  std::int64_t awake_ns = 0;
+  bench.on_the_way = [&](std::string& bytes) {
+    awake_ns = bytes.size() > 1000 ? bench.now_ns() + static_cast<std::int64_t>(rng.uniform(0.0, 5e6)) : awake_ns;
+  };
+  bench.reset();
+  while (bench.heard().scans.size() < 1000) {
+    bench.host_asleep = bench.now_ns() < awake_ns;
+    bench.run(kMs / 4);
+  }
+  EXPECT_EQ(bench.session().counters().rejected, 0U);
+  std::size_t next = 0;
+  for (std::size_t i = 400; i < 1000; ++i) {
+    const std::int64_t stamp_ns = bench.heard().scans[i].stamp_ns;
+    while (bench.sent()[next].first_beam_ns < stamp_ns - 12 * kMs) {
+      ++next;
+    }
+    ASSERT_LT(std::abs(stamp_ns - bench.sent()[next].first_beam_ns), kMs) << "scan " << i;
+  }
 }
 
 TEST(ScipSession, AHostThatSleptKeepsTheStampsRight) {

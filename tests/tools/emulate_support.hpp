@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/io/serial_port.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
+#include "tools/emulate/lrf_models.hpp"
 #include "tools/emulate/scip_device.hpp"
 #include "tools/emulate/world_source.hpp"
 #include "tools/sim/world_file.hpp"
@@ -23,6 +25,7 @@ struct HeardScan {
   double start_angle_rad = 0.0;
   double angle_step_rad = 0.0;
   std::vector<float> ranges_m;
+  std::int64_t beam_period_ns = 0;
 };
 
 class Heard final : public LrfSink {
@@ -32,7 +35,8 @@ class Heard final : public LrfSink {
                      scan.arrival_ns,
                      scan.start_angle_rad,
                      scan.angle_step_rad,
-                     {scan.ranges_m.begin(), scan.ranges_m.end()}});
+                     {scan.ranges_m.begin(), scan.ranges_m.end()},
+                     scan.beam_period_ns});
   }
   void on_event(const LrfEvent& event) override { events.push_back(event); }
 
@@ -54,14 +58,23 @@ inline WorldDrive small_drive() {
   return drive;
 }
 
+inline std::int64_t period_ns_of(const std::string& model) {
+  for (const EmulatedLrfModel& known : emulated_lrf_models()) {
+    if (known.name == model) {
+      return known.period_ns;
+    }
+  }
+  return 0;
+}
+
 /// A session and an emulated device on a line without delay, in made-up time.
 class Bench {
  public:
-  explicit Bench(const std::string& model = "utm-30lx", ScipDeviceOptions options = {}, LrfParams params = {},
+  explicit Bench(const std::string& model = "utm-30lx", EmulatedLrfOptions options = {}, LrfParams params = {},
                  WorldDrive drive = small_drive())
-      : model_(*find_scip_model(model)),
-        source_(model_, std::move(drive)),
-        device_(model_, source_, std::move(options), now_ns_),
+      : name_(model),
+        source_(period_ns_of(model), std::move(drive)),
+        device_(make_emulated_lrf(model, source_, std::move(options), now_ns_)),
         session_(make_lrf_session(params, 2048)) {}
 
   /// Lets that time pass, a quarter of a millisecond at a time.
@@ -73,12 +86,16 @@ class Bench {
 
   void reset() { session_->reset(now_ns_); }
   /// What a client that was there before has said.
-  void say(const std::string& bytes) { device_.receive(bytes, now_ns_); }
+  void say(const std::string& bytes) {
+    device_->set_line_baud(0);
+    device_->receive(bytes, now_ns_);
+  }
 
   [[nodiscard]] std::int64_t now_ns() const { return now_ns_; }
   [[nodiscard]] const Heard& heard() const { return heard_; }
   [[nodiscard]] LrfSession& session() { return *session_; }
-  [[nodiscard]] const ScipModel& model() const { return model_; }
+  [[nodiscard]] const ScipModel& model() const { return *find_scip_model(name_); }
+  [[nodiscard]] EmulatedLrf& device() { return *device_; }
   [[nodiscard]] WorldSource& source() { return source_; }
   [[nodiscard]] const std::vector<SentScan>& sent() const { return sent_; }
   [[nodiscard]] const std::string& written() const { return written_; }
@@ -91,9 +108,10 @@ class Bench {
   void step() {
     const auto request = session_->transmit();
     written_.append(reinterpret_cast<const char*>(request.data()), request.size());
-    device_.receive({reinterpret_cast<const char*>(request.data()), request.size()}, now_ns_);
-    device_.tick(now_ns_);
-    for (SentBytes& bytes : device_.take_output()) {
+    device_->set_line_baud(session_->line_baud());
+    device_->receive({reinterpret_cast<const char*>(request.data()), request.size()}, now_ns_);
+    device_->tick(now_ns_);
+    for (SentBytes& bytes : device_->take_output()) {
       if (bytes.scan) {
         sent_.push_back(*bytes.scan);
       }
@@ -108,9 +126,9 @@ class Bench {
   }
 
   std::int64_t now_ns_ = 1000 * kSecond;
-  ScipModel model_;
+  std::string name_;
   WorldSource source_;
-  ScipDevice device_;
+  std::unique_ptr<EmulatedLrf> device_;
   std::unique_ptr<LrfSession> session_;
   Heard heard_;
   std::vector<SentScan> sent_;

@@ -12,6 +12,7 @@
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
 #include "tools/command/info.hpp"
+#include "tools/command/probe.hpp"
 #include "tools/command/replay.hpp"
 #include "tools/command/sim.hpp"
 
@@ -32,6 +33,7 @@ void add_commands(CLI::App& app) {
   add_eval(app);
   add_sim(app);
   add_emulate(app);
+  add_probe(app);
   add_ctl(app);
   add_memory(app);
   add_config(app);

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -12,6 +13,10 @@
 #include "tools/command/error.hpp"
 #include "tools/emulate/log_source.hpp"
 #include "tools/emulate/lrf_emulator.hpp"
+#include "tools/emulate/lrf_models.hpp"
+#include "tools/emulate/pseudo_terminal.hpp"
+#include "tools/emulate/tcp_server_line.hpp"
+#include "tools/emulate/usbip_line.hpp"
 #include "tools/emulate/world_source.hpp"
 #include "tools/sim/world_file.hpp"
 
@@ -21,6 +26,9 @@ namespace {
 struct EmulateLrfOptions {
   std::string from;
   std::string pty;
+  int tcp_port = -1;  ///< -1: not on a network
+  bool usbip = false;
+  UsbIdentity usb;
   std::string model = "utm-30lx";
   std::string truth;
   double rate_ratio = 1.0;
@@ -35,27 +43,32 @@ struct EmulateLrfOptions {
   std::vector<std::string> faults;
 };
 
-std::unique_ptr<ScanSource> make_source(const EmulateLrfOptions& options, const ScipModel& model) {
+EmulatedLrfModel model_of(const std::string& name) {
+  const std::vector<EmulatedLrfModel> models = emulated_lrf_models();
+  return *std::find_if(models.begin(), models.end(), [&](const EmulatedLrfModel& m) { return m.name == name; });
+}
+
+std::unique_ptr<ScanSource> make_source(const EmulateLrfOptions& options, const EmulatedLrfModel& model) {
   if (std::filesystem::path(options.from).extension() != ".world") {
     if (!options.truth.empty()) {
       throw UsageError("--truth: a log doesn't know where the robot truly was; expected --from WORLD.world");
     }
-    return std::make_unique<LogSource>(model, read_scan_log(options.from), options.rate_ratio);
+    return std::make_unique<LogSource>(model.period_ns, read_scan_log(options.from), options.rate_ratio);
   }
   return std::make_unique<WorldSource>(
-      model, WorldDrive{.world = read_world(options.from),
-                        .start_delay_s = options.start_delay_s,
-                        .speed_ratio = options.rate_ratio,
-                        .noise_sd_m = options.noise_sd_m < 0.0 ? model.range_sd_m : options.noise_sd_m,
-                        .distortion = options.distortion,
-                        .seed = options.seed});
+      model.period_ns, WorldDrive{.world = read_world(options.from),
+                                  .start_delay_s = options.start_delay_s,
+                                  .speed_ratio = options.rate_ratio,
+                                  .noise_sd_m = options.noise_sd_m < 0.0 ? model.range_sd_m : options.noise_sd_m,
+                                  .distortion = options.distortion,
+                                  .seed = options.seed});
 }
 
-ScipDeviceOptions device_options(const EmulateLrfOptions& options) {
-  ScipDeviceOptions device{.faults = {},
-                           .starts_at_once = options.start_at_once,
-                           .counter_start_ms = options.counter_ms,
-                           .seed = options.seed};
+EmulatedLrfOptions device_options(const EmulateLrfOptions& options) {
+  EmulatedLrfOptions device{.faults = {},
+                            .starts_at_once = options.start_at_once,
+                            .counter_start_ms = options.counter_ms,
+                            .seed = options.seed};
   for (const std::string& fault : options.faults) {
     device.faults.push_back(parse_fault(fault));
   }
@@ -67,27 +80,48 @@ void say(const std::string& line) {
   static_cast<void>(std::fflush(stdout));  // a script waits for it
 }
 
+std::unique_ptr<EmulatedLine> make_line(const EmulateLrfOptions& options) {
+  if (options.usbip) {
+    return std::make_unique<UsbipLine>(options.usb);
+  }
+  if (options.tcp_port >= 0) {
+    return std::make_unique<TcpServerLine>(static_cast<std::uint16_t>(options.tcp_port));
+  }
+  return std::make_unique<PseudoTerminal>(options.pty);
+}
+
 void run(const EmulateLrfOptions& options) {
-  const ScipModel& model = *find_scip_model(options.model);
-  const ScipDeviceOptions device_settings = device_options(options);
+  const EmulatedLrfModel model = model_of(options.model);
+  const EmulatedLrfOptions device_settings = device_options(options);
   const std::unique_ptr<ScanSource> source = make_source(options, model);
-  const PseudoTerminal line(options.pty);
-  ScipDevice device(model, *source, device_settings, monotonic_ns());
-  say(fmt::format("{}: {} on {}", options.pty, model.product, line.path()));
+  const std::unique_ptr<EmulatedLine> line = make_line(options);
+  const std::unique_ptr<EmulatedLrf> device =
+      make_emulated_lrf(options.model, *source, device_settings, monotonic_ns());
+  say(fmt::format("{} on {}", model.product, line->path()));
   LrfEmulatorOptions loop{.truth = options.truth, .stops_at_end = options.stop_at_end};
   if (options.duration_s > 0.0) {
     loop.duration_ns = std::llround(options.duration_s * 1e9);
   }
-  const LrfEmulation done = emulate_lrf(device, *source, line, loop, [] { say("path done"); });
+  const LrfEmulation done = emulate_lrf(*device, *source, *line, loop, [] { say("path done"); });
   say(fmt::format("{} scans sent, {} dropped", done.scans, done.dropped));
 }
 
 std::vector<std::string> model_names() {
   std::vector<std::string> names;
-  for (const ScipModel& model : scip_models()) {
-    names.emplace_back(model.name);
+  for (const EmulatedLrfModel& model : emulated_lrf_models()) {
+    names.push_back(model.name);
   }
   return names;
+}
+
+void add_line_options(CLI::App& command, EmulateLrfOptions& options) {
+  CLI::Option_group* const line = command.add_option_group("line", "What the laser is on");
+  line->add_option("--pty", options.pty, "A pseudo-terminal: link to make to the line's end for the client");
+  line->add_option("--tcp", options.tcp_port, "A network: port of 127.0.0.1 to listen on; 0: any that is free")
+      ->check(CLI::Range(0, 65535));
+  line->add_flag("--usbip", options.usbip, "USB of this machine, by the kernel's vhci_hcd (needs root)");
+  line->require_option(1);
+  command.add_option("--usb-serial", options.usb.serial, "Serial number for --usbip")->capture_default_str();
 }
 
 void add_time_options(CLI::App& command, EmulateLrfOptions& options) {
@@ -106,11 +140,11 @@ void add_time_options(CLI::App& command, EmulateLrfOptions& options) {
 
 void add_lrf(CLI::App& emulate) {
   auto options = std::make_shared<EmulateLrfOptions>();
-  CLI::App* const command =
-      emulate.add_subcommand("lrf", "A Hokuyo laser (SCIP 2.0) on a pseudo-terminal, until it is stopped");
+  CLI::App* const command = emulate.add_subcommand(
+      "lrf", "A laser range finder (Hokuyo, SICK, RPLIDAR) on a line of your choice, until it is stopped");
   command->add_option("--from", options->from, "World file (*.world), or a log of any kind that replay reads")
       ->required();
-  command->add_option("--pty", options->pty, "Link to make to the line's end for the client")->required();
+  add_line_options(*command, *options);
   command->add_option("--model", options->model, "Laser to be")
       ->check(CLI::IsMember(model_names()))
       ->capture_default_str();

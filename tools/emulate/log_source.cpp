@@ -24,7 +24,8 @@ double range_at_m(const LogScan& scan, double angle_rad) {
 
 }  // namespace
 
-LogSource::LogSource(const ScipModel& model, ScanLog log, double speed_ratio) : model_(model), log_(std::move(log)) {
+LogSource::LogSource(std::int64_t period_ns, ScanLog log, double speed_ratio)
+    : period_ns_(period_ns), log_(std::move(log)) {
   std::int64_t last_ns = -1;
   for (const LogScan& scan : log_.scans) {
     const double since_first_ns = static_cast<double>(scan.stamp_ns - log_.scans[0].stamp_ns);
@@ -36,14 +37,13 @@ LogSource::LogSource(const ScipModel& model, ScanLog log, double speed_ratio) : 
 
 std::int64_t LogSource::start_ns(std::int64_t index) const {
   const std::int64_t last = static_cast<std::int64_t>(starts_ns_.size()) - 1;
-  return index <= last ? starts_ns_[static_cast<std::size_t>(index)]
-                       : starts_ns_.back() + (index - last) * model_.turn_ns();
+  return index <= last ? starts_ns_[static_cast<std::size_t>(index)] : starts_ns_.back() + (index - last) * period_ns_;
 }
 
-void LogSource::measure(std::int64_t index, std::span<double> ranges_m) {
+void LogSource::measure(std::int64_t index, std::span<const EmulatedBeam> beams, std::span<double> ranges_m) {
   const LogScan& scan = log_.scans[std::min(static_cast<std::size_t>(index), log_.scans.size() - 1)];
-  for (std::size_t i = 0; i < ranges_m.size(); ++i) {
-    ranges_m[i] = range_at_m(scan, model_.angle_rad(static_cast<int>(i)));
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    ranges_m[i] = range_at_m(scan, beams[i].angle_rad);
   }
 }
 

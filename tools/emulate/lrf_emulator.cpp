@@ -62,7 +62,7 @@ class StopSignals {
 
 class Emulation {
  public:
-  Emulation(ScipDevice& device, const ScanSource& source, const PseudoTerminal& line, const std::string& truth)
+  Emulation(EmulatedLrf& device, const ScanSource& source, EmulatedLine& line, const std::string& truth)
       : device_(device), source_(source), line_(line) {
     if (!truth.empty()) {
       truth_.open(truth);
@@ -75,6 +75,7 @@ class Emulation {
   /// One round: what the client sent, what is due, and what the line takes.
   void step(bool has_client) {
     const std::int64_t now_ns = monotonic_ns();
+    device_.set_line_baud(line_.baud());
     if (const std::string bytes = has_client ? line_.read() : std::string(); !bytes.empty()) {
       device_.receive(bytes, now_ns);
     }
@@ -124,7 +125,8 @@ class Emulation {
   }
 
   void tell_truth(const SentScan& scan) {
-    const std::optional<Pose2> world_T_robot = source_.world_T_robot(scan.index);
+    const std::optional<Pose2> world_T_robot =
+        source_.world_T_robot(device_.source_time_ns(scan.first_beam_ns).value_or(0));
     if (!truth_.is_open() || !world_T_robot) {
       return;
     }
@@ -138,9 +140,9 @@ class Emulation {
     }
   }
 
-  ScipDevice& device_;
+  EmulatedLrf& device_;
   const ScanSource& source_;
-  const PseudoTerminal& line_;
+  EmulatedLine& line_;
   std::ofstream truth_;
   std::int64_t epoch_offset_ns_ = epoch_offset_ns();
   std::deque<SentBytes> waiting_;
@@ -153,18 +155,18 @@ timespec to_timespec(std::int64_t duration_ns) {
 }
 
 /// Waits until the client sends, the line takes more, or it is time.
-void wait(const PseudoTerminal& line, const Emulation& emulation, bool has_client, std::int64_t until_ns,
+void wait(const EmulatedLine& line, const Emulation& emulation, bool has_client, std::int64_t until_ns,
           const sigset_t& mask) {
   const std::int64_t longest_ns = has_client ? 200'000'000 : kIdleNs;
   const timespec timeout = to_timespec(std::clamp<std::int64_t>(until_ns - monotonic_ns(), 0, longest_ns));
   const auto events = static_cast<short>(POLLIN | (emulation.has_waiting() ? POLLOUT : 0));
-  pollfd poll{.fd = has_client ? line.descriptor() : -1, .events = events, .revents = 0};
+  pollfd poll{.fd = has_client ? line.descriptor() : line.idle_descriptor(), .events = events, .revents = 0};
   static_cast<void>(::ppoll(&poll, 1, &timeout, &mask));
 }
 
 }  // namespace
 
-LrfEmulation emulate_lrf(ScipDevice& device, const ScanSource& source, const PseudoTerminal& line,
+LrfEmulation emulate_lrf(EmulatedLrf& device, const ScanSource& source, EmulatedLine& line,
                          const LrfEmulatorOptions& options, const std::function<void()>& on_end) {
   const StopSignals signals;
   Emulation emulation(device, source, line, options.truth);

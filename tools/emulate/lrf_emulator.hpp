@@ -5,8 +5,8 @@
 #include <limits>
 #include <string>
 
-#include "tools/emulate/pseudo_terminal.hpp"
-#include "tools/emulate/scip_device.hpp"
+#include "tools/emulate/emulated_line.hpp"
+#include "tools/emulate/emulated_lrf.hpp"
 
 namespace odoless {
 
@@ -28,7 +28,7 @@ struct LrfEmulation {
 /// the Unix epoch as it is when this starts, which is what the daemon stamps with) and where the robot was.
 /// @param on_end  Called once, when the drive or the log is over.
 /// @throws CannotCreateError, IoError for the truth.
-LrfEmulation emulate_lrf(ScipDevice& device, const ScanSource& source, const PseudoTerminal& line,
+LrfEmulation emulate_lrf(EmulatedLrf& device, const ScanSource& source, EmulatedLine& line,
                          const LrfEmulatorOptions& options, const std::function<void()>& on_end);
 
 }  // namespace odoless

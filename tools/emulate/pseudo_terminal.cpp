@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "drivers/io/serial_port.hpp"
 #include "tools/command/error.hpp"
 
 namespace odoless {
@@ -59,18 +60,20 @@ PseudoTerminal::~PseudoTerminal() {
   }
 }
 
-bool PseudoTerminal::has_client() const {
+bool PseudoTerminal::has_client() {
   pollfd line{.fd = device_.get(), .events = POLLIN, .revents = 0};
   return ::poll(&line, 1, 0) >= 0 && (line.revents & POLLHUP) == 0;
 }
 
-std::string PseudoTerminal::read() const {
+int PseudoTerminal::baud() { return serial_baud(device_.get()); }
+
+std::string PseudoTerminal::read() {
   std::array<char, 4096> bytes{};
   const ssize_t count = ::read(device_.get(), bytes.data(), bytes.size());
   return {bytes.data(), count > 0 ? static_cast<std::size_t>(count) : 0};
 }
 
-std::size_t PseudoTerminal::write(std::string_view bytes) const {
+std::size_t PseudoTerminal::write(std::string_view bytes) {
   const ssize_t count = ::write(device_.get(), bytes.data(), bytes.size());
   return count > 0 ? static_cast<std::size_t>(count) : 0;
 }

@@ -133,7 +133,7 @@ std::string ScipDevice::scan_reply(const std::string& line, std::int64_t now_ns)
     return answer(line, "10");
   }
   start_source(now_ns);
-  return frame(request, line + '\n' + scip::summed("00"), std::max<std::int64_t>(next_index_ - 1, 0));
+  return frame(request, line + '\n' + scip::summed("00"), std::max<std::int64_t>(next_piece() - 1, 0));
 }
 
 }  // namespace odoless

@@ -13,23 +13,23 @@ namespace odoless {
 namespace {
 
 constexpr std::size_t kLineMax = 80;
-constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
-constexpr std::int64_t kBacklogMax = 4;  ///< scans; a device that was held up goes on with the newest
 
 }  // namespace
 
-ScipDevice::ScipDevice(const ScipModel& model, ScanSource& source, ScipDeviceOptions options, std::int64_t now_ns)
-    : model_(model),
-      source_(source),
-      options_(std::move(options)),
-      rng_(options_.seed, 1),
-      ranges_m_(static_cast<std::size_t>(model.beams())),
+ScipDevice::ScipDevice(const ScipModel& model, ScanSource& source, EmulatedLrfOptions options, std::int64_t now_ns)
+    : EmulatedLrf(source, options),
+      model_(model),
+      beams_(model.beam_list()),
+      ranges_m_(beams_.size()),
       clock_host_ns_(now_ns),
-      clock_device_ns_(options_.counter_start_ms * 1e6) {
+      clock_device_ns_(options.counter_start_ms * 1e6) {
   reset_state(true);
-  if (options_.starts_at_once) {
-    start_source(now_ns);
-  }
+}
+
+void ScipDevice::restart(std::int64_t now_ns) {
+  reset_state(true);
+  clock_host_ns_ = now_ns;
+  clock_device_ns_ = 0.0;
 }
 
 void ScipDevice::reset_state(bool is_power_up) {
@@ -38,16 +38,6 @@ void ScipDevice::reset_state(bool is_power_up) {
   in_time_mode_ = false;
   stream_.reset();
   line_.clear();
-}
-
-void ScipDevice::start_source(std::int64_t now_ns) { origin_ns_ = origin_ns_.value_or(now_ns); }
-
-std::optional<std::int64_t> ScipDevice::source_time_ns(std::int64_t now_ns) const {
-  return origin_ns_ ? std::optional(now_ns - *origin_ns_) : std::nullopt;
-}
-
-bool ScipDevice::fault(FaultKind kind, std::int64_t now_ns) const {
-  return origin_ns_ && active_fault(options_.faults, kind, now_ns - *origin_ns_) != nullptr;
 }
 
 std::uint32_t ScipDevice::counter_ms(std::int64_t now_ns) const {
@@ -61,41 +51,13 @@ void ScipDevice::set_drift(double drift_ppm, std::int64_t now_ns) {
   drift_ppm_ = drift_ppm;
 }
 
-void ScipDevice::follow_faults(std::int64_t now_ns) {
-  const Fault* const drift =
-      origin_ns_ ? active_fault(options_.faults, FaultKind::kDrift, now_ns - *origin_ns_) : nullptr;
-  if (const double drift_ppm = drift == nullptr ? 0.0 : drift->value; drift_ppm != drift_ppm_) {
-    set_drift(drift_ppm, now_ns);
-  }
-  const bool is_rebooting = fault(FaultKind::kReboot, now_ns);
-  if (is_rebooting && !was_rebooted_) {
-    reset_state(true);
-    clock_host_ns_ = now_ns;
-    clock_device_ns_ = 0.0;
-  }
-  was_rebooted_ = is_rebooting;
-}
-
 std::int64_t ScipDevice::due_ns(std::int64_t index) const {
-  return origin_ns_.value_or(0) + source_.start_ns(index) + model_.time_to_step_ns(model_.last_step);
+  return origin_ns() + source().start_ns(index) + model_.time_to_step_ns(model_.last_step);
 }
 
-std::int64_t ScipDevice::next_event_ns() const { return origin_ns_ ? due_ns(next_index_) : kNever; }
-
-void ScipDevice::tick(std::int64_t now_ns) {
-  follow_faults(now_ns);
-  while (origin_ns_ && due_ns(next_index_) <= now_ns) {
-    const bool is_stale = due_ns(next_index_ + kBacklogMax) <= now_ns;
-    if (stream_ && !is_stale) {
-      send_scan(next_index_);
-    }
-    ++next_index_;
-  }
-}
-
-void ScipDevice::measure(std::int64_t index) {
-  if (!fault(FaultKind::kStuck, due_ns(index))) {
-    source_.measure(index, ranges_m_);
+void ScipDevice::on_due(std::int64_t index) {
+  if (stream_) {
+    send_scan(index);
   }
 }
 
@@ -107,30 +69,12 @@ void ScipDevice::send_scan(std::int64_t index) {
   skipped_ = 0;
   left_ -= stream_->count > 0 ? 1 : 0;
   const std::int64_t now_ns = due_ns(index);
-  if (!fault(FaultKind::kSilence, now_ns) && !fault(FaultKind::kReboot, now_ns)) {
-    SentBytes sent;
-    sent.bytes = frame(*stream_, stream_->echo(left_) + '\n' + scip::summed("99"), index);
-    sent.scan = {index, now_ns - model_.time_to_step_ns(model_.last_step) + model_.time_to_step_ns(model_.first_step)};
-    sent.one_by_one = fault(FaultKind::kOneByte, now_ns);
-    damage(sent.bytes, now_ns);
-    output_.push_back(std::move(sent));
-  }
+  const std::int64_t start_ns = now_ns - model_.time_to_step_ns(model_.last_step);
+  send_piece(frame(*stream_, stream_->echo(left_) + '\n' + scip::summed("99"), index),
+             SentScan{index, start_ns + model_.time_to_step_ns(model_.first_step)}, now_ns);
   if (stream_->count > 0 && left_ == 0) {
     stream_.reset();
     laser_on_ = false;
-  }
-}
-
-void ScipDevice::damage(std::string& bytes, std::int64_t now_ns) {
-  if (fault(FaultKind::kTruncate, now_ns)) {
-    bytes.resize(bytes.size() / 2);
-  }
-  if (fault(FaultKind::kWrongSum, now_ns)) {
-    char& c = bytes[bytes.size() / 2];
-    c = c == '0' ? '1' : '0';
-  }
-  if (fault(FaultKind::kGarbage, now_ns)) {
-    std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<char>(rng_.below(256)); });
   }
 }
 
@@ -146,7 +90,7 @@ std::uint32_t ScipDevice::value_mm(std::size_t first_beam, std::size_t count) co
 
 std::string ScipDevice::frame(const scip::ScanRequest& request, std::string_view head, std::int64_t index) {
   constexpr std::uint32_t kIntensity = 1000;
-  measure(index);
+  measure(index, beams_, ranges_m_, due_ns(index));
   const std::int64_t start_ns = due_ns(index) - model_.time_to_step_ns(model_.last_step);
   const int characters = request.reading == 'S' ? 2 : 3;
   int last_step = request.last_step;
@@ -165,13 +109,7 @@ std::string ScipDevice::frame(const scip::ScanRequest& request, std::string_view
   return std::string(head) + scip::summed(scip::encoded(counter_ms(start_ns), 4)) + scip::data_lines(data) + '\n';
 }
 
-std::vector<SentBytes> ScipDevice::take_output() { return std::exchange(output_, {}); }
-
-void ScipDevice::receive(std::string_view bytes, std::int64_t now_ns) {
-  tick(now_ns);
-  if (fault(FaultKind::kSilence, now_ns) || fault(FaultKind::kReboot, now_ns)) {
-    return;
-  }
+void ScipDevice::hear(std::string_view bytes, std::int64_t now_ns) {
   for (const char c : bytes) {
     if (c != '\n' && c != '\r') {
       line_.append(line_.size() < kLineMax ? 1U : 0U, c);
@@ -181,9 +119,6 @@ void ScipDevice::receive(std::string_view bytes, std::int64_t now_ns) {
   }
 }
 
-void ScipDevice::execute(const std::string& line, std::int64_t now_ns) {
-  std::string bytes = reply_to(line, now_ns);
-  output_.push_back({.bytes = std::move(bytes), .scan = {}, .one_by_one = fault(FaultKind::kOneByte, now_ns)});
-}
+void ScipDevice::execute(const std::string& line, std::int64_t now_ns) { send(reply_to(line, now_ns), now_ns); }
 
 }  // namespace odoless

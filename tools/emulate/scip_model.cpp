@@ -44,6 +44,14 @@ double ScipModel::angle_rad(int beam) const {
   return (first_step + beam - front_step) * 2.0 * std::numbers::pi / steps_per_turn;
 }
 
+std::vector<EmulatedBeam> ScipModel::beam_list() const {
+  std::vector<EmulatedBeam> list;
+  for (int beam = 0; beam < beams(); ++beam) {
+    list.push_back({angle_rad(beam), time_to_step_ns(first_step + beam)});
+  }
+  return list;
+}
+
 std::span<const ScipModel> scip_models() { return kModels; }
 
 const ScipModel* find_scip_model(std::string_view name) {

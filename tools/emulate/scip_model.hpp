@@ -4,6 +4,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "tools/emulate/scan_source.hpp"
 
 namespace odoless {
 
@@ -30,6 +33,7 @@ struct ScipModel {
   [[nodiscard]] std::int64_t time_to_step_ns(int step) const { return turn_ns() * step / steps_per_turn; }
   /// Of a beam, counted from `first_step`; 0 is the front, positive to the left.
   [[nodiscard]] double angle_rad(int beam) const;
+  [[nodiscard]] std::vector<EmulatedBeam> beam_list() const;
 };
 
 [[nodiscard]] std::span<const ScipModel> scip_models();

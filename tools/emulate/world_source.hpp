@@ -2,7 +2,6 @@
 
 #include "core/base/rng.hpp"
 #include "tools/emulate/scan_source.hpp"
-#include "tools/emulate/scip_model.hpp"
 #include "tools/sim/path.hpp"
 #include "tools/sim/world.hpp"
 
@@ -21,18 +20,18 @@ struct WorldDrive {
 /// The scans of a laser that is driven through a world. The same drive gives the same ranges, scan by scan.
 class WorldSource final : public ScanSource {
  public:
-  WorldSource(const ScipModel& model, WorldDrive drive);
+  /// @param period_ns  From scan to scan.
+  WorldSource(std::int64_t period_ns, WorldDrive drive);
 
-  [[nodiscard]] std::int64_t start_ns(std::int64_t index) const override { return index * model_.turn_ns(); }
-  void measure(std::int64_t index, std::span<double> ranges_m) override;
-  [[nodiscard]] std::optional<Pose2> world_T_robot(std::int64_t index) const override;
+  [[nodiscard]] std::int64_t start_ns(std::int64_t index) const override { return index * period_ns_; }
+  void measure(std::int64_t index, std::span<const EmulatedBeam> beams, std::span<double> ranges_m) override;
+  [[nodiscard]] std::optional<Pose2> world_T_robot(std::int64_t time_ns) const override;
   [[nodiscard]] std::int64_t duration_ns() const override;
 
  private:
-  [[nodiscard]] std::int64_t first_beam_ns(std::int64_t index) const;
   [[nodiscard]] Pose2 pose_at(std::int64_t time_ns) const;
 
-  ScipModel model_;
+  std::int64_t period_ns_;
   WorldDrive drive_;
   Path path_;
 };

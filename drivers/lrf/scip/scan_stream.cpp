@@ -74,6 +74,7 @@ Errc ScanStream::configure(const Parameters& device, int line_baud) {
              .characters_per_value = is_short ? 2 : 3,
              .values_per_beam = params_.reading == LrfReading::kRangeIntensity ? 2 : 1,
              .beams = beams};
+  beam_period_ns_ = params_.cluster * turn_ns(device) / device.steps_per_turn;
   first_beam_delay_ns_ = time_to_step_ns(device, device.first_step) / 1000 * 1000;
   clock_.start(geometry_.period_ns, time_to_step_ns(device, device.last_step) + transfer_ns(format_, line_baud));
   identical_run_ = 0;
@@ -128,6 +129,7 @@ Result<LrfScan> ScanStream::scan(const Reply& reply, std::int64_t arrival_ns) {
                  .arrival_ns = arrival_ns,
                  .start_angle_rad = geometry_.start_angle_rad,
                  .angle_step_rad = geometry_.angle_step_rad,
+                 .beam_period_ns = beam_period_ns_,
                  .ranges_m = {ranges_m_.data(), beams}};
 }
 

@@ -47,6 +47,7 @@ class ScanStream {
   std::uint32_t range_far_mm_ = 0;  ///< this or more: nothing was hit
   std::uint32_t far_code_ = 0;      ///< the error code that says that nothing was hit
   std::int64_t first_beam_delay_ns_ = 0;
+  std::int64_t beam_period_ns_ = 0;
   DeviceClock clock_;
   std::array<char, 24> request_{};
   std::size_t request_size_ = 1;

@@ -127,13 +127,13 @@ void ScipSession::on_device_status(scip::Status device_status, std::int64_t now_
 }
 
 void ScipSession::reject(Errc reason, LrfSink& sink) {
+  if (reason != Errc::kWrongEcho) {
+    counters_.reject(reason, sink);
+    return;
+  }
   ++counters_.rejected;
-  counters_.wrong_sums += reason == Errc::kWrongSum ? 1 : 0;
-  counters_.wrong_counts += reason == Errc::kWrongCount || reason == Errc::kFrameTruncated ? 1 : 0;
-  counters_.implausible += reason == Errc::kImplausibleStamp ? 1 : 0;
-  const bool is_resync = reason == Errc::kWrongEcho;
-  counters_.resyncs += is_resync ? 1 : 0;
-  sink.on_event({.type = is_resync ? LrfEventType::kResync : LrfEventType::kRejected, .reason = reason});
+  ++counters_.resyncs;
+  sink.on_event({.type = LrfEventType::kResync, .reason = reason});
 }
 
 }  // namespace odoless

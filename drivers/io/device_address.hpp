@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "core/base/result.hpp"
+
+namespace odoless {
+
+/// "/dev/ttyACM0": a path.
+struct SerialAddress {
+  std::string path;
+  friend bool operator==(const SerialAddress&, const SerialAddress&) = default;
+};
+
+/// "tcp://192.168.0.10:10940", "tcp://[fe80::1]:10940". Numbers only: looking a name up may take many seconds.
+struct TcpAddress {
+  std::string host;
+  std::uint16_t port = 0;
+  friend bool operator==(const TcpAddress&, const TcpAddress&) = default;
+};
+
+/// "usb://15d1:0000" or "usb://15d1:0000/H0000001": vendor, product (hexadecimal) and, where it matters, serial number.
+struct UsbAddress {
+  std::uint16_t vendor = 0;
+  std::uint16_t product = 0;
+  std::string serial;  ///< empty: whichever
+  friend bool operator==(const UsbAddress&, const UsbAddress&) = default;
+};
+
+/// Where a device is to be found.
+using DeviceAddress = std::variant<SerialAddress, TcpAddress, UsbAddress>;
+
+/// Errors: Errc::kBadAddress.
+[[nodiscard]] Result<DeviceAddress> parse_device_address(std::string_view text);
+
+}  // namespace odoless

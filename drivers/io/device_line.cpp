@@ -1,0 +1,28 @@
+#include "drivers/io/device_line.hpp"
+
+#include "drivers/io/serial_port.hpp"
+#include "drivers/io/tcp_client.hpp"
+
+namespace odoless {
+
+Result<FileDescriptor> DeviceLine::open(int priority) {
+  usb_.reset();
+  const Result<DeviceAddress> address = parse_device_address(text_);
+  if (!address.ok()) {
+    return address.error();
+  }
+  if (const auto* const serial = std::get_if<SerialAddress>(&address.value())) {
+    return open_serial({.path = serial->path, .baud = baud_});
+  }
+  if (const auto* const tcp = std::get_if<TcpAddress>(&address.value())) {
+    return open_tcp(*tcp);
+  }
+  Result<std::unique_ptr<UsbSerial>> opened = UsbSerial::open(*std::get_if<UsbAddress>(&address.value()), priority);
+  if (!opened.ok()) {
+    return opened.error();
+  }
+  usb_ = opened.take();
+  return usb_->take_line();
+}
+
+}  // namespace odoless

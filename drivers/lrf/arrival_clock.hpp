@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+namespace odoless {
+
+/// Puts what a device without a clock of its own counts evenly (turns of a mirror, samples) on the host's clock.
+///
+/// Bytes only ever arrive late, never early: the least late arrival of the last while tells the offset. One that is
+/// earlier counts at once, later ones (something was lost, or the device counts slower) at the end of the while.
+///
+/// Thread: one thread. Real time: constant time, no allocation.
+class ArrivalClock {
+ public:
+  explicit ArrivalClock(std::int64_t while_ns) : while_ns_(while_ns) {}
+
+  /// The counting starts anew.
+  void start() { fresh_ = true; }
+
+  /// The host's time of `device_ns`, which arrived at `arrival_ns` (less whatever way is known). Never later than the
+  /// arrival.
+  [[nodiscard]] std::int64_t host_ns(std::int64_t device_ns, std::int64_t arrival_ns);
+
+  /// The same without learning: of a moment shortly before the last one.
+  [[nodiscard]] std::int64_t at_ns(std::int64_t device_ns) const { return offset_ns_ + device_ns; }
+
+ private:
+  std::int64_t while_ns_;
+  bool fresh_ = true;
+  std::int64_t offset_ns_ = 0;
+  std::int64_t window_start_ns_ = 0;     ///< by the device
+  std::int64_t window_earliest_ns_ = 0;  ///< least offset in the window
+};
+
+}  // namespace odoless

@@ -1,0 +1,105 @@
+#include "drivers/lrf/rplidar/turn.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace odoless::rplidar {
+namespace {
+
+constexpr double kTurnDeg = 360.0;
+constexpr double kNeighboursBeams = 1.5;
+constexpr double kSurfaceRatio = 0.1;
+constexpr double kBackwardsMaxDeg = 30.0;
+
+}  // namespace
+
+Turn::Turn() : samples_(kPointsMax), finished_(kPointsMax) {}
+
+void Turn::clear() {
+  count_ = 0;
+  finished_count_ = 0;
+  is_whole_ = false;
+  is_spoilt_ = false;
+}
+
+void Turn::push(const Sample& sample) {
+  if (count_ == samples_.size()) {
+    clear();  // it doesn't turn
+  }
+  samples_[count_++] = sample;
+}
+
+bool Turn::add(const Point& point, std::int64_t time_ns) {
+  double angle_deg = point.angle_deg;
+  if (count_ > 0) {
+    const double last_deg = samples_[count_ - 1].angle_deg;
+    angle_deg += kTurnDeg * std::round((last_deg - angle_deg) / kTurnDeg);
+    is_spoilt_ = is_spoilt_ || angle_deg < last_deg - kBackwardsMaxDeg;
+  }
+  const Sample sample{angle_deg, point.range_m, time_ns};
+  push(sample);
+  if (angle_deg < kTurnDeg) {
+    return false;
+  }
+  close();
+  return true;
+}
+
+void Turn::close() {
+  const Sample& first = samples_[0];
+  const Sample& last = samples_[count_ - 1];
+  const double ns_per_deg =
+      static_cast<double>(last.time_ns - first.time_ns) / std::max(last.angle_deg - first.angle_deg, 1.0);
+  complete_ = {.is_whole = is_whole_,
+               .is_spoilt = is_spoilt_,
+               .start_ns = first.time_ns - std::llround(first.angle_deg * ns_per_deg),
+               .period_ns = std::llround(kTurnDeg * ns_per_deg)};
+  samples_.swap(finished_);
+  finished_count_ = count_;
+  count_ = 0;
+  is_whole_ = true;
+  is_spoilt_ = false;
+  for (std::size_t i = finished_count_ - std::min<std::size_t>(finished_count_, 2); i < finished_count_; ++i) {
+    Sample sample = finished_[i];
+    sample.angle_deg -= kTurnDeg;
+    push(sample);
+  }
+}
+
+// On a straight line, the reciprocal of the range is nearly linear in a small angle.
+float Turn::between_m(const Sample& left, const Sample& right, double angle_deg) {
+  const double share = (angle_deg - left.angle_deg) / std::max(right.angle_deg - left.angle_deg, 1e-9);
+  const Sample& nearer = share < 0.5 ? left : right;
+  if (nearer.range_m <= 0.0) {
+    return std::numeric_limits<float>::infinity();
+  }
+  const bool is_one_surface =
+      left.range_m > 0.0 && right.range_m > 0.0 &&
+      std::abs(left.range_m - right.range_m) < kSurfaceRatio * std::min(left.range_m, right.range_m);
+  const double range_m = is_one_surface ? 1.0 / ((1.0 - share) / left.range_m + share / right.range_m) : nearer.range_m;
+  return static_cast<float>(range_m);
+}
+
+int Turn::resample(std::span<float> ranges_m) {
+  const auto end = finished_.begin() + static_cast<std::ptrdiff_t>(finished_count_);
+  std::sort(finished_.begin(), end, [](const Sample& a, const Sample& b) { return a.angle_deg < b.angle_deg; });
+  const double beam_deg = kTurnDeg / static_cast<double>(ranges_m.size());
+  const double reach_deg =
+      kNeighboursBeams * std::max(beam_deg, kTurnDeg / static_cast<double>(std::max<std::size_t>(finished_count_, 1)));
+  int known = 0;
+  std::size_t right = 1;
+  for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
+    const double angle_deg = static_cast<double>(beam) * beam_deg;
+    while (right < finished_count_ && finished_[right].angle_deg < angle_deg) {
+      ++right;
+    }
+    const bool has_both = right < finished_count_ && finished_[right - 1].angle_deg <= angle_deg &&
+                          finished_[right].angle_deg - finished_[right - 1].angle_deg <= reach_deg;
+    ranges_m[beam] = has_both ? between_m(finished_[right - 1], finished_[right], angle_deg) : 0.0F;
+    known += has_both ? 1 : 0;
+  }
+  return known;
+}
+
+}  // namespace odoless::rplidar

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "drivers/lrf/rplidar/packet.hpp"
+
+namespace odoless::rplidar {
+
+/// Collects the points of a turn, whose number varies, and gives it as a scan of evenly spaced beams.
+///
+/// The rule: a beam that lies between two points of one surface (their ranges differ by less than a tenth) gets the
+/// range at which the straight line through them is hit; between two surfaces, that of the nearer point; beside a
+/// point that hit nothing, infinity. Points are neighbours when they are at most one and a half beams, or mean
+/// distances of points, apart; a beam without points near it gets 0: nothing can be said.
+///
+/// Thread: one thread. Real time: no allocation after construction; n log n in the points of a turn.
+class Turn {
+ public:
+  static constexpr std::size_t kPointsMax = 8192;
+
+  Turn();
+
+  /// A point that was measured at `time_ns`. @return whether it is the first of the next turn, and this one complete:
+  /// `resample` it now.
+  [[nodiscard]] bool add(const Point& point, std::int64_t time_ns);
+
+  /// What is collected may have been wrong.
+  void spoil() { is_spoilt_ = true; }
+
+  /// Of the complete turn:
+  [[nodiscard]] bool is_whole() const { return complete_.is_whole; }  ///< from its start
+  [[nodiscard]] bool is_spoilt() const { return complete_.is_spoilt; }
+  [[nodiscard]] std::int64_t start_ns() const { return complete_.start_ns; }  ///< when the front was passed
+  [[nodiscard]] std::int64_t period_ns() const { return complete_.period_ns; }
+
+  /// Writes the complete turn's ranges, clockwise from the front. @return beams that something is known of.
+  [[nodiscard]] int resample(std::span<float> ranges_m);
+
+  /// Forgets everything.
+  void clear();
+
+ private:
+  struct Sample {
+    double angle_deg = 0.0;  ///< from the turn's start on, without a wrap
+    double range_m = 0.0;
+    std::int64_t time_ns = 0;
+  };
+  struct Complete {
+    bool is_whole = false;
+    bool is_spoilt = false;
+    std::int64_t start_ns = 0;
+    std::int64_t period_ns = 0;
+  };
+
+  void close();
+  void push(const Sample& sample);
+  [[nodiscard]] static float between_m(const Sample& left, const Sample& right, double angle_deg);
+
+  std::vector<Sample> samples_;   ///< of the turn that is collected; the first is the last one's of the turn before
+  std::vector<Sample> finished_;  ///< of the complete turn, with one sample beyond each end
+  std::size_t count_ = 0;
+  std::size_t finished_count_ = 0;
+  bool is_whole_ = false;  ///< from its start
+  bool is_spoilt_ = false;
+  Complete complete_;
+};
+
+}  // namespace odoless::rplidar

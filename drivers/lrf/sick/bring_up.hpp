@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "drivers/lrf/lrf_params.hpp"
+#include "drivers/lrf/lrf_session.hpp"
+#include "drivers/lrf/sick/scan_stream.hpp"
+#include "drivers/lrf/sick/telegram.hpp"
+
+namespace odoless::sick {
+
+/// The ritual that takes a device from any state to a stream of scans:
+///
+///   1. end whatever stream runs; no answer: the next line rate, and anew;
+///   2. ask for the status, which a device that is broken tells of;
+///   3. ask for the configuration; where the unit of the ranges is another, switch to installation mode by the
+///      password and write it (it goes to a memory that wears, hence not without need);
+///   4. field of view and step;
+///   5. where another line rate is wished for: switch the device and the line;
+///   6. start the stream.
+///
+/// Every answer that doesn't come or isn't understood leads back to 1; a device that is broken is reset.
+/// Thread: one thread. Real time: no allocation.
+class BringUp {
+ public:
+  BringUp(const LrfParams& params, ScanStream& stream);
+
+  /// From the first step. `with_reset`: the device is told to reset first.
+  void start(std::int64_t now_ns, bool with_reset);
+  [[nodiscard]] bool done() const { return step_ == Step::kDone; }
+
+  void on_telegram(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
+  /// The device has not understood.
+  void on_nak(std::int64_t now_ns);
+  void on_deadline(std::int64_t now_ns, LrfSink& sink);
+  [[nodiscard]] std::int64_t deadline_ns() const { return deadline_ns_; }
+
+  /// What is to be sent; it counts as sent. Valid until the next call.
+  [[nodiscard]] std::span<const std::byte> take_request();
+  [[nodiscard]] int line_baud() const { return line_baud_; }
+  [[nodiscard]] std::uint64_t device_errors() const { return device_errors_; }
+
+ private:
+  enum class Step : std::uint8_t {
+    kReset,
+    kStop,
+    kAskStatus,
+    kAskConfiguration,
+    kInstall,
+    kConfigure,
+    kLeaveInstallation,
+    kSetVariant,
+    kSetRate,
+    kSettle,
+    kStart,
+    kPause,
+    kDone
+  };
+  static constexpr std::size_t kConfigurationBytes = 34;
+
+  void enter(Step step, std::int64_t now_ns);
+  void send_request_of(Step step);
+  [[nodiscard]] std::int64_t patience_ns(Step step) const;
+  void fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink& sink);
+  [[nodiscard]] bool answers(const Telegram& telegram) const;
+  void on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
+  void on_configuration(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
+  void on_variant_set(std::int64_t now_ns, LrfSink& sink);
+  void next_rate();
+
+  LrfParams params_;
+  ScanStream& stream_;
+  Step step_ = Step::kPause;
+  std::int64_t deadline_ns_ = 0;
+  int line_baud_;
+  int wished_baud_;
+  int rates_tried_ = 0;
+  int naks_ = 0;
+  int deaf_rounds_ = 0;        ///< in which the device was heard at this rate, but didn't answer
+  bool heard_ = false;         ///< a telegram came at this rate since the stop was sent
+  bool rate_refused_ = false;  ///< the device doesn't want the wished rate
+  bool silence_told_ = false;  ///< once per outage
+  bool reset_is_due_ = false;  ///< after the pause
+  std::uint64_t device_errors_ = 0;
+  std::array<std::byte, kConfigurationBytes> configuration_{};
+  Request request_;
+  bool request_waits_ = false;
+};
+
+}  // namespace odoless::sick

@@ -1,0 +1,44 @@
+#include "drivers/io/device_address.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+namespace odoless {
+namespace {
+
+TEST(DeviceAddress, IsAPathWithoutAScheme) {
+  EXPECT_EQ(std::get<SerialAddress>(parse_device_address("/dev/ttyACM0").value()).path, "/dev/ttyACM0");
+}
+
+TEST(DeviceAddress, TcpHasANumericHostAndAPort) {
+  EXPECT_EQ(std::get<TcpAddress>(parse_device_address("tcp://192.168.0.10:10940").value()),
+            (TcpAddress{.host = "192.168.0.10", .port = 10940}));
+  EXPECT_EQ(std::get<TcpAddress>(parse_device_address("tcp://[fe80::1]:1").value()),
+            (TcpAddress{.host = "fe80::1", .port = 1}));
+}
+
+TEST(DeviceAddress, UsbHasHexadecimalNumbersAndPerhapsASerialNumber) {
+  EXPECT_EQ(std::get<UsbAddress>(parse_device_address("usb://15d1:0000").value()),
+            (UsbAddress{.vendor = 0x15d1, .product = 0, .serial = ""}));
+  EXPECT_EQ(std::get<UsbAddress>(parse_device_address("usb://0403:6001/A/7").value()),
+            (UsbAddress{.vendor = 0x0403, .product = 0x6001, .serial = "A/7"}));
+}
+
+TEST(DeviceAddress, RefusesWhatIsNeither) {
+  for (const char* const wrong :
+       {"", "tcp://", "tcp://laser:1", "tcp://1.2.3.4", "tcp://1.2.3.4:0", "tcp://1.2.3.4:65536", "tcp://1.2.3.4:-1",
+        "tcp://1.2.3:80", "usb://", "usb://15d1", "usb://15d1:", "usb://15d1:10000", "usb://15d1:0000/", "usb://x:y",
+        "usb://+1:0", "udp://1.2.3.4:5", "http://x"}) {
+    EXPECT_EQ(parse_device_address(wrong).error(), Errc::kBadAddress) << wrong;
+  }
+}
+
+RC_GTEST_PROP(DeviceAddress, TakesOrRefusesAnyText, ()) {
+  const auto text = *rc::gen::string<std::string>();
+  const auto scheme = *rc::gen::element<std::string>("", "tcp://", "usb://", "usb://1:", "tcp://[");
+  const auto address = parse_device_address(scheme + text);
+  RC_ASSERT(address.ok() || address.error() == Errc::kBadAddress);
+}
+
+}  // namespace
+}  // namespace odoless

@@ -1,0 +1,142 @@
+#include "firmware/threads/filter_intake.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/support/temporary_folder.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr std::int64_t kPeriod_ns = 100'000'000;
+
+/// The robot goes round in a circle; motion k leads from scan k - 1 to scan k.
+Pose2 odom_T_scan(int index) { return {0.1 * index, 0.02 * index * index, 0.05 * index}; }
+
+MotionRecord motion(int index) {
+  MotionRecord record;
+  record.from_stamp_ns = (index - 1) * kPeriod_ns;
+  record.to_stamp_ns = index * kPeriod_ns;
+  record.odom_T_scan = odom_T_scan(index);
+  record.previous_T_current = odom_T_scan(index - 1).inverse() * odom_T_scan(index);
+  record.covariance = {1e-4, 0, 0, 0, 1e-4, 0, 0, 0, 1e-5};
+  return record;
+}
+
+/// The intake, fed as a socket would, and what comes out for the filter.
+class FilterIntakeTest : public ::testing::Test {
+ protected:
+  void scan(int index) {
+    ranges_m_.assign(16, 1.0F + 0.01F * static_cast<float>(index % 7));
+    intake_.on_scan({.stamp_ns = index * kPeriod_ns, .angle_step_rad = 0.1, .ranges_m = ranges_m_});
+  }
+
+  /// Of all that has come out: whether each has its scan, and the sum of the motions.
+  void drain() {
+    for (MotionMessage message; pipeline_.motions.try_pop(message);) {
+      has_scan_.push_back(message.slot != kNoSlot);
+      sum_ = sum_ * message.step.previous_T_current;
+      to_stamp_ns_ = message.step.to_stamp_ns;
+      if (message.slot != kNoSlot) {
+        EXPECT_EQ(pipeline_.pool.at(message.slot).stamp_ns(), message.step.to_stamp_ns);
+        ASSERT_TRUE(pipeline_.slots_from_filter.try_push(message.slot));
+      }
+    }
+  }
+
+  void expect_sum_is(int first, int last) {
+    const Pose2 expected = odom_T_scan(first).inverse() * odom_T_scan(last);
+    EXPECT_NEAR(sum_.x_m, expected.x_m, 1e-9);
+    EXPECT_NEAR(sum_.y_m, expected.y_m, 1e-9);
+    EXPECT_NEAR(sum_.yaw_rad, expected.yaw_rad, 1e-9);
+    EXPECT_EQ(to_stamp_ns_, last * kPeriod_ns);
+  }
+
+  Pipeline pipeline_{PipelineParams{}, RobotParams{}, false};
+  MonotonicClock clock_;
+  FilterIntake intake_{pipeline_, clock_};
+  std::vector<float> ranges_m_;
+  std::vector<bool> has_scan_;
+  Pose2 sum_;
+  std::int64_t to_stamp_ns_ = 0;
+};
+
+TEST_F(FilterIntakeTest, BringsEachMotionTogetherWithItsScan) {
+  for (int index = 1; index <= 100; ++index) {  // far more than there are slots
+    scan(index);
+    intake_.on_motion(motion(index));
+    drain();
+    ASSERT_EQ(has_scan_.size(), static_cast<std::size_t>(index));
+    ASSERT_TRUE(has_scan_.back()) << index;
+  }
+  expect_sum_is(0, 100);
+}
+
+TEST_F(FilterIntakeTest, AMotionWaitsForAScanThatComesAfterIt) {
+  intake_.on_motion(motion(1));
+  drain();
+  EXPECT_TRUE(has_scan_.empty());
+  scan(1);
+  drain();
+  EXPECT_EQ(has_scan_, std::vector{true});
+}
+
+TEST_F(FilterIntakeTest, AMotionWhoseScanIsLostOnlyComposes) {
+  scan(1);
+  intake_.on_motion(motion(1));
+  intake_.on_motion(motion(2));
+  scan(3);
+  intake_.on_motion(motion(3));
+  drain();
+  EXPECT_EQ(has_scan_, (std::vector{true, false, true}));
+  expect_sum_is(0, 3);
+}
+
+TEST_F(FilterIntakeTest, TheNextMotionMakesUpForLostOnes) {
+  scan(1);
+  intake_.on_motion(motion(1));
+  scan(2);
+  scan(3);
+  scan(4);
+  intake_.on_motion(motion(4));
+  drain();
+  EXPECT_EQ(has_scan_, (std::vector{true, true}));
+  expect_sum_is(0, 4);
+}
+
+TEST_F(FilterIntakeTest, WhatIsMadeUpForIsAsUncertainAsItIsLong) {
+  intake_.on_motion(motion(1));
+  intake_.on_motion(motion(4));
+  scan(4);
+  MotionMessage message;
+  ASSERT_TRUE(pipeline_.motions.try_pop(message));
+  ASSERT_TRUE(pipeline_.motions.try_pop(message));
+  EXPECT_NEAR(message.step.covariance(0, 0), 3e-4, 1e-12);
+}
+
+TEST_F(FilterIntakeTest, TwiceOrTooLateCountsOnce) {
+  for (const int index : {1, 2, 2, 1, 3}) {
+    scan(index);
+    intake_.on_motion(motion(index));
+  }
+  drain();
+  EXPECT_EQ(has_scan_.size(), 3U);
+  expect_sum_is(0, 3);
+}
+
+TEST_F(FilterIntakeTest, AFilterThatIsBusyLosesNoMotion) {
+  const int many = 3 * static_cast<int>(pipeline_.motions.capacity());
+  for (int index = 1; index <= many; ++index) {
+    scan(index);
+    intake_.on_motion(motion(index));
+  }
+  drain();
+  scan(many + 1);
+  intake_.on_motion(motion(many + 1));
+  drain();
+  expect_sum_is(0, many + 1);
+}
+
+}  // namespace
+}  // namespace odoless

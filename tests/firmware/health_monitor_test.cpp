@@ -1,0 +1,161 @@
+#include "firmware/health/health_monitor.hpp"
+
+#include <gtest/gtest.h>
+
+#include "firmware/health/health_text.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr std::int64_t kPeriod_ns = 25'000'000;
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+/// What stages say that do well, for a test to spoil.
+class HealthMonitorTest : public ::testing::Test {
+ protected:
+  HealthMonitorTest() {
+    sensor_.open = true;
+    sensor_.period_ns = kPeriod_ns;
+    sensor_.last_scan_ns = now_ns_;
+    matcher_.stage.scans = 100;
+    matcher_.weak_information_1_m2 = 100.0;
+    matcher_.strong_information_1_m2 = 200.0;
+    filter_.stage.scans = 100;
+    surroundings_.device_tried = false;
+  }
+
+  const HealthReport& update() { return monitor_.update(sensor_, matcher_, filter_, surroundings_, now_ns_); }
+
+  /// The state, and why.
+  void expect(HealthState state, std::uint32_t reasons) {
+    const HealthReport& report = update();
+    EXPECT_EQ(report.state, state) << state_sentence(report);
+    EXPECT_EQ(report.reasons, reasons) << state_sentence(report);
+  }
+
+  HealthParams params_;
+  HealthMonitor monitor_{params_};
+  SensorReport sensor_;
+  MatcherReport matcher_;
+  FilterReport filter_;
+  Surroundings surroundings_;
+  std::int64_t now_ns_ = 1000 * kSecond_ns;
+};
+
+TEST_F(HealthMonitorTest, NothingToComplainOfIsOk) { expect(HealthState::kOk, 0); }
+
+TEST_F(HealthMonitorTest, IsInitUntilTheFirstPose) {
+  filter_.stage.scans = 0;
+  expect(HealthState::kInit, 0);
+}
+
+TEST_F(HealthMonitorTest, ALaserThatFallsSilentIsSaidWithinTwoPeriodsAndAFaultAfterAWhile) {
+  now_ns_ += kPeriod_ns * 3 / 2;
+  expect(HealthState::kOk, 0);
+  now_ns_ = sensor_.last_scan_ns + 2 * kPeriod_ns;
+  expect(HealthState::kDegraded, kReasonNoScans);
+  now_ns_ = sensor_.last_scan_ns + params_.fault_after_ns + 1;
+  expect(HealthState::kFault, kReasonNoScans);
+  sensor_.last_scan_ns = now_ns_;
+  expect(HealthState::kOk, 0);
+}
+
+TEST_F(HealthMonitorTest, ALineThatIsLostIsSaidAtOnce) {
+  sensor_.open = false;
+  expect(HealthState::kDegraded, kReasonDeviceClosed);
+}
+
+TEST_F(HealthMonitorTest, ALaserThatWasNeverThereIsAFaultOnlyOnceItWasTried) {
+  sensor_ = {};
+  filter_.stage.scans = 0;
+  expect(HealthState::kInit, 0);
+  surroundings_.device_tried = true;
+  expect(HealthState::kFault, kReasonDeviceClosed);
+}
+
+TEST_F(HealthMonitorTest, BlindAndStuckScansDegrade) {
+  sensor_.blind = true;
+  expect(HealthState::kDegraded, kReasonBlind);
+  sensor_.stuck = true;
+  expect(HealthState::kDegraded, kReasonBlind | kReasonStuck);
+}
+
+TEST_F(HealthMonitorTest, OnePoorMatchIsNoReasonAndSomeInARowAre) {
+  matcher_.poor_in_a_row = params_.poor_matches - 1;
+  expect(HealthState::kOk, 0);
+  matcher_.poor_in_a_row = params_.poor_matches;
+  expect(HealthState::kDegraded, kReasonPoorMatch);
+}
+
+TEST_F(HealthMonitorTest, ASceneThatHoldsOnlyOneDirectionIsSaid) {
+  matcher_.weak_information_1_m2 = 0.5 * params_.weak_information_1_m2;
+  expect(HealthState::kDegraded, kReasonWeakDirection);
+}
+
+TEST_F(HealthMonitorTest, AFilterThatIsLostIsLost) {
+  filter_.lost = true;
+  expect(HealthState::kLost, kReasonDiverged);
+}
+
+TEST_F(HealthMonitorTest, AStageThatIsSilentIsAFault) {
+  surroundings_.stage_silent = true;
+  expect(HealthState::kFault, kReasonStageSilent);
+}
+
+TEST_F(HealthMonitorTest, WhatDoesNotTouchThePoseLeavesItOk) {
+  surroundings_.standing_reasons = kReasonNotRealTime;
+  surroundings_.storage_error = 28;
+  filter_.paused = true;
+  expect(HealthState::kOk, kReasonNotRealTime | kReasonStorage | kReasonPaused);
+}
+
+/// A count, and the reason that it gives when it grows.
+struct Growing {
+  const char* name;
+  HealthReason reason;
+  void (*grow)(SensorReport&, MatcherReport&, FilterReport&, Surroundings&);
+};
+
+class GrowingCount : public HealthMonitorTest, public ::testing::WithParamInterface<Growing> {};
+
+TEST_P(GrowingCount, IsAReasonForAWhileAndLatchedForEver) {
+  expect(HealthState::kOk, 0);
+  GetParam().grow(sensor_, matcher_, filter_, surroundings_);
+  EXPECT_EQ(update().reasons, GetParam().reason);
+  now_ns_ += params_.deadline_memory_ns - 1;
+  sensor_.last_scan_ns = now_ns_;
+  EXPECT_EQ(update().reasons, GetParam().reason);
+  now_ns_ += 1;
+  EXPECT_EQ(update().reasons, 0U);
+  EXPECT_EQ(update().latched_reasons, GetParam().reason);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Counts, GrowingCount,
+    ::testing::Values(
+        Growing{"Rejected", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.rejected; }},
+        Growing{"Dropped", kReasonOverload, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.dropped; }},
+        Growing{"Records", kReasonOverload, [](auto&, auto&, auto&, auto& around) { ++around.records_dropped; }},
+        Growing{"Deadline", kReasonDeadlineMissed,
+                [](auto&, auto& matcher, auto&, auto&) { ++matcher.stage.deadline_misses; }},
+        Growing{"Tiles", kReasonMapFull, [](auto&, auto&, auto& filter, auto&) { ++filter.refused_tiles; }},
+        Growing{"Outside", kReasonMapFull, [](auto&, auto&, auto& filter, auto&) { ++filter.outside_tiles; }},
+        Growing{"Publishing", kReasonPublishing, [](auto&, auto&, auto&, auto& around) { ++around.publish_errors; }},
+        Growing{"Datagrams", kReasonDatagramsLost,
+                [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.datagrams_lost; }}),
+    [](const auto& about) { return std::string(about.param.name); });
+
+TEST(HealthText, EveryReasonHasItsOwnWords) {
+  std::string before;
+  for (std::uint32_t reason = 1; reason <= kReasonPaused; reason <<= 1U) {
+    const std::string text = reasons_text(reason);
+    EXPECT_FALSE(text.empty()) << reason;
+    EXPECT_NE(text, before);
+    before = text;
+  }
+  EXPECT_EQ(reasons_text(0), "");
+  EXPECT_EQ(reasons_text(kReasonNoScans | kReasonPaused), "no scans, mapping is paused");
+}
+
+}  // namespace
+}  // namespace odoless

@@ -1,0 +1,111 @@
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "firmware/publisher/map_store.hpp"
+#include "firmware/publisher/pose_spool.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr int kSide_cells = 4;
+
+std::vector<std::uint8_t> cells_from(std::uint8_t first) {
+  std::vector<std::uint8_t> cells(kSide_cells * kSide_cells);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    cells[i] = static_cast<std::uint8_t>(first + i);
+  }
+  return cells;
+}
+
+MapTileRecord tile_at(int column, int row) {
+  return {.column = column, .row = row, .size_cells = kSide_cells, .cell_size_m = 0.1};
+}
+
+TEST(MapStore, IsEmptyUntilATileComes) {
+  MapStore store({.resolution_m = 0.1, .columns = 16, .rows = 16});
+  EXPECT_EQ(store.view(0).columns, 0);
+  EXPECT_EQ(store.map().width_cells, 0);
+}
+
+TEST(MapStore, ShowsThePartThatIsKnownWhereItLies) {
+  MapStore store({.resolution_m = 0.1, .columns = 16, .rows = 16});
+  store.update(tile_at(0, 0), cells_from(0));
+  store.update(tile_at(-1, 1), cells_from(50));
+  const OccupancyMap map = store.map();
+  EXPECT_EQ(map.width_cells, 8);
+  EXPECT_EQ(map.height_cells, 8);
+  EXPECT_NEAR(map.origin_x_m, -0.4, 1e-12);
+  EXPECT_NEAR(map.origin_y_m, 0.0, 1e-12);
+  EXPECT_EQ(map.occupancy_percent[4], 0);           // lower right: the first tile
+  EXPECT_EQ(map.occupancy_percent[4 * 8 + 0], 50);  // upper left: the second
+  EXPECT_EQ(map.occupancy_percent[4 * 8 + 4], -1);  // upper right: nothing is known
+}
+
+TEST(MapStore, ANewerTileReplacesTheOlder) {
+  MapStore store({.resolution_m = 0.1, .columns = 16, .rows = 16});
+  store.update(tile_at(0, 0), cells_from(0));
+  store.update(tile_at(0, 0), cells_from(30));
+  EXPECT_EQ(store.map().occupancy_percent[0], 30);
+}
+
+TEST(MapStore, WhatLiesOutsideOfTheGridIsCutOff) {
+  MapStore store({.resolution_m = 0.1, .columns = 10, .rows = 10});  // tiles of 4 do not fill it
+  for (int column = -3; column <= 3; ++column) {
+    for (int row = -3; row <= 3; ++row) {
+      store.update(tile_at(column, row), cells_from(0));
+    }
+  }
+  EXPECT_EQ(store.map().width_cells, 10);
+  EXPECT_EQ(store.map().height_cells, 10);
+}
+
+PoseRecord pose_of(std::int64_t stamp_ns, double x_m, std::int64_t update_stamp_ns, double since_update_m) {
+  PoseRecord pose;
+  pose.stamp_ns = stamp_ns;
+  pose.map_T_scan = {x_m, 0, 0};
+  pose.update_stamp_ns = update_stamp_ns;
+  pose.update_T_scan = {since_update_m, 0, 0};
+  return pose;
+}
+
+TEST(PoseSpool, FinalPosesHangOnTheirUpdatesAndOnlineOnesStay) {
+  const test::TemporaryFolder folder;
+  PoseSpool spool(folder.path());
+  spool.add(pose_of(10, 0.0, 10, 0.0));
+  spool.add(pose_of(20, 0.5, 10, 0.5));
+  spool.add(pose_of(30, 1.0, 30, 0.0));
+  spool.add(pose_of(40, 1.5, 30, 0.5));
+  const std::vector<StampedPose> path{{10, {5.0, 0, 0}}, {30, {7.0, 0, 0}}};
+  const std::vector<StampedPose> final_poses = spool.final(path);
+  ASSERT_EQ(final_poses.size(), 4U);
+  EXPECT_EQ(final_poses[1].map_T_scan.x_m, 5.5);
+  EXPECT_EQ(final_poses[3].map_T_scan.x_m, 7.5);
+  const std::vector<StampedPose> online = spool.online();
+  ASSERT_EQ(online.size(), 4U);
+  EXPECT_EQ(online[3].map_T_scan.x_m, 1.5);
+  EXPECT_EQ(spool.error(), 0);
+}
+
+TEST(PoseSpool, PosesWhoseUpdateTheFilterForgotStayAsPublished) {
+  const test::TemporaryFolder folder;
+  PoseSpool spool(folder.path());
+  spool.add(pose_of(20, 0.5, 10, 0.5));
+  spool.add(pose_of(40, 1.5, 30, 0.5));
+  const std::vector<StampedPose> path{{30, {7.0, 0, 0}}};
+  const std::vector<StampedPose> final_poses = spool.final(path);
+  EXPECT_EQ(final_poses[0].map_T_scan.x_m, 0.5);
+  EXPECT_EQ(final_poses[1].map_T_scan.x_m, 7.5);
+}
+
+TEST(PoseSpool, SaysWhyNothingCanBeKept) {
+  EXPECT_EQ(PoseSpool("/nonexistent/folder").error(), ENOENT);
+  PoseSpool none("");
+  none.add(pose_of(10, 0, 10, 0));
+  EXPECT_EQ(none.error(), 0);
+  EXPECT_TRUE(none.online().empty());
+}
+
+}  // namespace
+}  // namespace odoless

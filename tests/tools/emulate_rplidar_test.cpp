@@ -1,0 +1,279 @@
+// An RPLIDAR session against the emulated laser.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <numbers>
+
+#include "tests/tools/emulate_stream.hpp"
+#include "tools/emulate/rplidar_device.hpp"
+
+namespace odoless {
+namespace {
+
+using test::Bench;
+using test::kMs;
+using test::kSecond;
+
+LrfParams rplidar_params(RplidarScan scan = RplidarScan::kStandard) {
+  LrfParams params;
+  params.driver = LrfDriver::kRplidar;
+  params.rplidar_scan = scan;
+  return params;
+}
+
+/// The share of beams that differ by more than 2 cm from what the world has.
+double wrong_share(Bench& bench, const test::HeardScan& scan, std::int64_t index) {
+  std::vector<EmulatedBeam> beams;
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    beams.push_back({scan.start_angle_rad + static_cast<double>(i) * scan.angle_step_rad, 0});
+  }
+  std::vector<double> true_m(beams.size());
+  bench.source().measure(index, beams, true_m);
+  int wrong = 0;
+  for (std::size_t i = 0; i < true_m.size(); ++i) {
+    wrong += scan.ranges_m[i] == 0.0F || std::abs(scan.ranges_m[i] - true_m[i]) < 0.02 ? 0 : 1;
+  }
+  return wrong / static_cast<double>(true_m.size());
+}
+
+/// Every scan that was heard is one that was sent, with its time; at edges, a beam may see the other surface.
+void expect_scans_true(Bench& bench, std::int64_t stamp_error_max_ns) {
+  for (const test::HeardScan& scan : bench.heard().scans) {
+    const SentScan* nearest = nullptr;
+    for (const SentScan& sent : bench.sent()) {
+      nearest = std::abs(sent.first_beam_ns - scan.stamp_ns) <= stamp_error_max_ns ? &sent : nearest;
+    }
+    ASSERT_NE(nearest, nullptr) << "no scan was sent with the stamp " << scan.stamp_ns;
+    ASSERT_LT(wrong_share(bench, scan, nearest->index), 0.05);
+  }
+}
+
+WorldDrive quiet_drive() {
+  WorldDrive drive = test::small_drive();
+  drive.noise_sd_m = 0.0;
+  return drive;
+}
+
+TEST(RplidarSession, BringsEveryModelUpAndHearsItsTurns) {
+  for (const RplidarModel& model : rplidar_models()) {
+    for (const RplidarScan scan : {RplidarScan::kStandard, RplidarScan::kExpress}) {
+      SCOPED_TRACE(std::string(model.name) + (scan == RplidarScan::kStandard ? " standard" : " express"));
+      Bench bench(std::string(model.name), {}, rplidar_params(scan), quiet_drive());
+      bench.reset();
+      bench.run(4 * kSecond);
+      ASSERT_TRUE(bench.session().ready());
+      EXPECT_EQ(bench.session().line_baud(), 115200);
+      EXPECT_EQ(bench.heard().events.size(), 1U);
+      EXPECT_GE(bench.heard().scans.size(), static_cast<std::size_t>(3500 * kMs / model.turn_ns) - 2U);
+      EXPECT_NEAR(static_cast<double>(bench.session().geometry().period_ns), static_cast<double>(model.turn_ns), 1e6);
+      expect_scans_true(bench, kMs);
+      EXPECT_NEAR(static_cast<double>(bench.heard().scans.back().beam_period_ns * 360),
+                  static_cast<double>(model.turn_ns), 1e6);
+      EXPECT_NEAR(bench.heard().scans[0].angle_step_rad, -std::numbers::pi / 180.0, 1e-7) << "clockwise";
+    }
+  }
+}
+
+TEST(RplidarSession, ComesToTheStreamFromEveryState) {
+  const std::string scan = "\xA5\x20";
+  const std::string express("\xA5\x82\x05\0\0\0\0\0\x22", 9);
+  for (const std::string& before : {std::string(), scan, express, std::string("\xA5\x21"), std::string("\xA5\x50"),
+                                    std::string("\xA5"), std::string("\xA5\xF0\x02"), std::string("\xA5\x40")}) {
+    for (const RplidarScan wished : {RplidarScan::kStandard, RplidarScan::kExpress}) {
+      Bench bench("rplidar-a2", {}, rplidar_params(wished));
+      bench.say(before);
+      bench.run(100 * kMs);
+      bench.reset();
+      bench.run(2 * kSecond);
+      EXPECT_TRUE(bench.session().ready());
+      EXPECT_GE(bench.heard().scans.size(), 5U);
+    }
+  }
+}
+
+TEST(RplidarSession, TurnsTheMotorWhereThatIsACommand) {
+  LrfParams params = rplidar_params();
+  params.rplidar_pwm = 660;
+  Bench bench("rplidar-a2", {}, params);
+  bench.reset();
+  bench.run(kSecond);
+  EXPECT_EQ(static_cast<RplidarDevice&>(bench.device()).motor_duty(), 660);
+  EXPECT_TRUE(bench.session().ready());
+}
+
+TEST(RplidarSession, GivesAsManyBeamsAsAreWished) {
+  LrfParams params = rplidar_params(RplidarScan::kExpress);
+  params.rplidar_beams = 720;
+  Bench bench("rplidar-a1", {}, params, quiet_drive());
+  bench.reset();
+  bench.run(2 * kSecond);
+  ASSERT_FALSE(bench.heard().scans.empty());
+  EXPECT_EQ(bench.heard().scans[0].ranges_m.size(), 720U);
+  expect_scans_true(bench, kMs);
+}
+
+TEST(RplidarSession, ResetsADeviceThatSaysItIsBroken) {
+  Bench bench("rplidar-a1", {}, rplidar_params());
+  bool is_broken = true;
+  bench.on_the_way = [&](std::string& bytes) {
+    if (is_broken && bytes.size() == 10 && bytes[6] == 6) {
+      bytes[7] = 2;
+      is_broken = false;
+    }
+  };
+  bench.reset();
+  bench.run(5 * kSecond);
+  EXPECT_TRUE(bench.session().ready());
+  EXPECT_EQ(bench.heard().count(LrfEventType::kDeviceError), 1);
+  EXPECT_THAT(bench.written(), ::testing::HasSubstr("\xA5\x40"));
+}
+
+TEST(RplidarSession, HuntsForTheRateOfASilentDevice) {
+  const auto session = make_lrf_session(rplidar_params(), 2048);
+  test::Heard heard;
+  session->reset(0);
+  std::vector<int> rates;
+  for (std::int64_t now_ns = 0; now_ns < 2 * kSecond; now_ns += kMs) {
+    if (rates.empty() || rates.back() != session->line_baud()) {
+      rates.push_back(session->line_baud());
+    }
+    static_cast<void>(session->transmit());
+    session->tick(now_ns, heard);
+  }
+  EXPECT_THAT(rates, ::testing::IsSupersetOf({115200, 256000, 460800, 1000000}));
+  EXPECT_EQ(heard.count(LrfEventType::kLost), 1) << "silence is told once";
+}
+
+struct FaultCase {
+  const char* fault;
+  int scans_lost_max;
+};
+
+class RplidarSessionFault : public ::testing::TestWithParam<FaultCase> {};
+
+// Two seconds into the stream, a fault; in the end the stream runs again.
+TEST_P(RplidarSessionFault, IsSurvived) {
+  for (const RplidarScan scan : {RplidarScan::kStandard, RplidarScan::kExpress}) {
+    Bench bench("rplidar-a2", {.faults = {parse_fault(GetParam().fault)}}, rplidar_params(scan), quiet_drive());
+    bench.reset();
+    bench.run(9 * kSecond);
+    EXPECT_TRUE(bench.session().ready());
+    const std::int64_t first_ns = bench.heard().scans.front().stamp_ns;
+    const auto sent = static_cast<int>((bench.now_ns() - first_ns) / (100 * kMs));
+    EXPECT_LE(sent - static_cast<int>(bench.heard().scans.size()), GetParam().scans_lost_max);
+    EXPECT_LT(bench.now_ns() - bench.heard().scans.back().arrival_ns, 120 * kMs);
+    for (const test::HeardScan& heard : bench.heard().scans) {
+      const auto index = std::llround(static_cast<double>(heard.stamp_ns - bench.sent()[0].first_beam_ns) / 1e8) +
+                         bench.sent()[0].index;
+      double least = 1.0;  // after bytes that were lost, stamps lag until that is known
+      for (std::int64_t i = index; i < index + 6; ++i) {
+        least = std::min(least, wrong_share(bench, heard, i));
+      }
+      ASSERT_LT(least, 0.05);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rplidar, RplidarSessionFault,
+                         ::testing::Values(FaultCase{"silence@2:1", 22}, FaultCase{"garbage@2:1", 22},
+                                           FaultCase{"truncate@2:0.2", 5}, FaultCase{"reboot@2", 15},
+                                           FaultCase{"beams@2:0.3", 6}, FaultCase{"one-byte@2:1", 2}),
+                         [](const auto& tested) {
+                           std::string name = tested.param.fault;
+                           std::replace_if(
+                               name.begin(), name.end(), [](char c) { return std::isalnum(c) == 0; }, '_');
+                           return name;
+                         });
+
+/// The most beams by which a heard scan differs by more than 1 cm from the one that was sent, scan by scan in order;
+/// beams of which the session says nothing are not wrong.
+int most_wrong_beams(const std::vector<test::HeardScan>& heard, const std::vector<test::HeardScan>& sent) {
+  int most = 0;
+  std::size_t next = 0;
+  for (const test::HeardScan& scan : heard) {
+    int least = 100'000;
+    for (std::size_t i = next; i < sent.size(); ++i) {
+      int wrong = 0;
+      for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+        wrong += scan.ranges_m[beam] == 0.0F || std::abs(scan.ranges_m[beam] - sent[i].ranges_m[beam]) < 0.01F ? 0 : 1;
+      }
+      if (wrong < least) {
+        least = wrong;
+        next = i;
+      }
+    }
+    most = std::max(most, least);
+    ++next;
+  }
+  return most;
+}
+
+// The standard scan has no sums: a damaged byte may move one point, but not more.
+TEST(RplidarRobustness, OneDamagedByteAnywhereCostsAtMostOneScan) {
+  for (const RplidarScan scan : {RplidarScan::kStandard, RplidarScan::kExpress}) {
+    const bool is_standard = scan == RplidarScan::kStandard;
+    const test::Stream stream("rplidar-a2", rplidar_params(scan), 650 * kMs);
+    const std::size_t turn_bytes = stream.scans().size() * 100 / 650;
+    const std::vector<test::HeardScan> sent = heard_from(stream, stream.scans(), turn_bytes / 4);
+    ASSERT_GE(sent.size(), 5U);
+    Rng rng(3);
+    for (const auto& [name, mutate] : test::kMutations) {
+      for (std::size_t at = 2 * turn_bytes; at < 3 * turn_bytes + 100; at += 3) {
+        const std::vector<test::HeardScan> heard = heard_from(stream, mutate(stream.scans(), at, rng), turn_bytes / 4);
+        ASSERT_GE(heard.size() + 1, sent.size()) << name << " at " << at;
+        ASSERT_LE(most_wrong_beams(heard, sent), is_standard ? 8 : 4) << name << " at " << at;
+      }
+    }
+  }
+}
+
+TEST(RplidarRobustness, AnySplitGivesTheSame) {
+  for (const RplidarScan scan : {RplidarScan::kStandard, RplidarScan::kExpress}) {
+    const test::Stream stream("rplidar-a2", rplidar_params(scan), 650 * kMs);
+    const std::vector<test::HeardScan> sent = heard_from(stream, stream.scans());
+    Rng rng(5);
+    for (int i = 0; i < 30; ++i) {
+      test::Heard heard;
+      const auto session = stream.ready_session(heard);
+      std::string_view rest = stream.scans();
+      while (!rest.empty()) {
+        const std::size_t size = std::min<std::size_t>(rest.size(), i == 0 ? 1 : 1 + rng.below(i < 15 ? 50 : 5000));
+        const auto now_ns =
+            20 * kSecond + static_cast<std::int64_t>(stream.scans().size() - rest.size() + size) * 90'000;
+        test::Stream::give(*session, rest.substr(0, size), now_ns, heard);
+        rest.remove_prefix(size);
+      }
+      EXPECT_TRUE(heard.events.empty());
+      ASSERT_EQ(heard.scans.size(), sent.size()) << "split " << i;
+      ASSERT_TRUE(are_among(heard.scans, sent));
+    }
+  }
+}
+
+TEST(RplidarRobustness, NoiseNeverEndsTheSession) {
+  for (const RplidarScan scan : {RplidarScan::kStandard, RplidarScan::kExpress}) {
+    test::Heard heard;
+    const auto session = make_lrf_session(rplidar_params(scan), 2048);
+    session->reset(0);
+    Rng rng(13);
+    const std::string alphabet("\xA5\x5A\x05\x00\x40\x81\x54\x82\x14\x04\x03\x06\x01\x02", 14);
+    for (std::int64_t now_ns = 0; now_ns < 20 * kSecond; now_ns += 5 * kMs) {
+      std::string bytes(rng.below(500), ' ');
+      for (char& c : bytes) {
+        c = rng.below(3) == 0 ? static_cast<char>(rng.below(256))
+                              : alphabet[rng.below(static_cast<std::uint32_t>(alphabet.size()))];
+      }
+      EXPECT_LE(session->transmit().size(), 16U);
+      test::Stream::give(*session, bytes, now_ns, heard);
+      session->tick(now_ns, heard);
+      ASSERT_GT(session->next_deadline_ns(), now_ns) << "or its owner would spin";
+    }
+    EXPECT_TRUE(heard.scans.empty());
+  }
+}
+
+}  // namespace
+}  // namespace odoless

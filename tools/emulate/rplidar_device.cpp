@@ -1,0 +1,312 @@
+#include "tools/emulate/rplidar_device.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "drivers/lrf/rplidar/packet.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr std::array<RplidarModel, 2> kModels{{
+    {.name = "rplidar-a1",
+     .product = "RPLIDAR A1",
+     .firmware_minor = 16,
+     .id = 0x18,
+     .turn_ns = 181'818'182,
+     .sample_us = 508,
+     .express_sample_us = 254,
+     .baud = 115200,
+     .range_far_m = 12.0,
+     .range_sd_m = 0.010},
+    {.name = "rplidar-a2",
+     .product = "RPLIDAR A2",
+     .firmware_minor = 29,
+     .id = 0x28,
+     .turn_ns = 100'000'000,
+     .sample_us = 500,
+     .express_sample_us = 250,
+     .baud = 115200,
+     .range_far_m = 16.0,
+     .range_sd_m = 0.010},
+}};
+
+char byte(unsigned value) { return static_cast<char>(value & 0xFFU); }
+void put(std::string& text, unsigned value) {
+  text += byte(value);
+  text += byte(value >> 8U);
+}
+
+std::string descriptor(unsigned length, bool is_stream, unsigned type) {
+  std::string bytes = "\xA5\x5A";
+  put(bytes, length);
+  put(bytes, is_stream ? 0x4000U : 0U);
+  bytes += byte(type);
+  return bytes;
+}
+
+unsigned xor_of(std::string_view bytes) {
+  unsigned sum = 0;
+  for (const char c : bytes) {
+    sum ^= static_cast<unsigned char>(c);
+  }
+  return sum;
+}
+
+unsigned q6(double angle_deg) { return static_cast<unsigned>(std::lround(angle_deg * 64.0)) % (360U * 64U); }
+
+}  // namespace
+
+std::span<const RplidarModel> rplidar_models() { return kModels; }
+
+const RplidarModel* find_rplidar_model(std::string_view name) {
+  const auto* const found =
+      std::find_if(kModels.begin(), kModels.end(), [&](const RplidarModel& m) { return m.name == name; });
+  return found == kModels.end() ? nullptr : found;
+}
+
+RplidarDevice::RplidarDevice(const RplidarModel& model, ScanSource& source, EmulatedLrfOptions options)
+    : EmulatedLrf(source, std::move(options)), model_(model) {}
+
+void RplidarDevice::restart(std::int64_t now_ns) {
+  received_.clear();
+  mode_ = Mode::kIdle;
+  motor_duty_ = 0;
+  send("RP LIDAR System.\r\nFirmware Ver 1.29 - rel, HW Ver 7\r\n", now_ns);
+}
+
+std::int64_t RplidarDevice::sample_ns() const {
+  return (mode_ == Mode::kExpress ? model_.express_sample_us : model_.sample_us) * std::int64_t{1000};
+}
+
+std::int64_t RplidarDevice::due_ns(std::int64_t piece) const {
+  const std::int64_t bytes = mode_ == Mode::kExpress ? 84 : 5;  // the nodes before have been sent meanwhile
+  return origin_ns() + ((piece + 1) * samples_per_piece() - 1) * sample_ns() + bytes * 10 * 1'000'000'000 / model_.baud;
+}
+
+/// Of the turn that is measured, at a sample of it or of the next one.
+double RplidarDevice::angle_deg(std::int64_t index) const {
+  const std::int64_t start_ns = source().start_ns(turn_);
+  const auto turn_ns = static_cast<double>(source().start_ns(turn_ + 1) - start_ns);
+  return 360.0 * static_cast<double>(index * sample_ns() - start_ns) / turn_ns;
+}
+
+void RplidarDevice::measure_turn(std::int64_t turn) {
+  turn_ = turn;
+  const auto first_sample_of = [&](std::int64_t start_ns) { return (start_ns + sample_ns() - 1) / sample_ns(); };
+  turn_begin_ = first_sample_of(source().start_ns(turn));
+  const std::int64_t end = first_sample_of(source().start_ns(turn + 1));
+  beams_.clear();
+  for (std::int64_t i = turn_begin_; i < end; ++i) {
+    beams_.push_back({-angle_deg(i) * std::numbers::pi / 180.0, i * sample_ns() - source().start_ns(turn)});
+  }
+  ranges_m_.resize(beams_.size());
+  measure(turn, beams_, ranges_m_, origin_ns() + source().start_ns(turn));
+}
+
+RplidarDevice::Sample RplidarDevice::sample(std::int64_t index) {
+  std::int64_t turn = std::max<std::int64_t>(turn_, 0);
+  while (source().start_ns(turn + 1) <= index * sample_ns()) {
+    ++turn;
+  }
+  if (turn != turn_) {
+    measure_turn(turn);
+  }
+  return {.angle_deg = angle_deg(index),
+          .range_m = ranges_m_[static_cast<std::size_t>(index - turn_begin_)],
+          .starts_turn = index == turn_begin_};
+}
+
+void RplidarDevice::on_due(std::int64_t piece) {
+  if (mode_ == Mode::kIdle) {
+    return;
+  }
+  std::vector<Sample> samples;
+  std::optional<SentScan> completed;
+  for (std::int64_t i = 0; i < samples_per_piece(); ++i) {
+    samples.push_back(sample(piece * samples_per_piece() + i));
+    if (samples.back().starts_turn && turn_ > 0) {
+      completed = SentScan{turn_ - 1, origin_ns() + source().start_ns(turn_ - 1)};
+    }
+  }
+  const bool is_left_out = fault(FaultKind::kBeams, due_ns(piece)) && samples.front().angle_deg > 240.0;
+  if (!is_left_out) {
+    send_piece(mode_ == Mode::kExpress ? capsule(samples) : nodes(samples), completed, due_ns(piece));
+  }
+}
+
+unsigned RplidarDevice::quarter_mm(double range_m) const {
+  return range_m < model_.range_far_m ? static_cast<unsigned>(std::lround(range_m * 4000.0)) : 0U;
+}
+
+std::string RplidarDevice::nodes(std::span<const Sample> samples) const {
+  std::string bytes;
+  for (const Sample& sample : samples) {
+    const unsigned distance = quarter_mm(sample.range_m);
+    const unsigned quality = distance == 0 ? 0 : 15;
+    bytes += byte((quality << 2U) | (sample.starts_turn ? 1U : 2U));
+    put(bytes, (q6(sample.angle_deg) << 1U) | 1U);
+    put(bytes, distance);
+  }
+  return bytes;
+}
+
+std::string RplidarDevice::capsule(std::span<const Sample> samples) {
+  std::string bytes;
+  put(bytes, q6(samples.front().angle_deg) | (std::exchange(is_first_capsule_, false) ? 0x8000U : 0U));
+  for (std::size_t i = 0; i < samples.size(); i += 2) {
+    put(bytes, quarter_mm(samples[i].range_m) & 0xFFFCU);
+    put(bytes, quarter_mm(samples[i + 1].range_m) & 0xFFFCU);
+    bytes += '\0';
+  }
+  const unsigned sum = xor_of(bytes);
+  std::string head;
+  head += byte(0xA0U | (sum & 0x0FU));
+  head += byte(0x50U | (sum >> 4U));
+  return head + bytes;
+}
+
+void RplidarDevice::hear(std::string_view bytes, std::int64_t now_ns) {
+  received_ += bytes;
+  while (take_request(now_ns)) {
+  }
+}
+
+/// Whether there was a request, or what is none has been thrown away.
+bool RplidarDevice::take_request(std::int64_t now_ns) {
+  if (received_.empty()) {
+    return false;
+  }
+  if (received_[0] != '\xA5') {
+    received_.erase(0, 1);
+    return true;
+  }
+  if (received_.size() < 2) {
+    return false;
+  }
+  const auto command = static_cast<unsigned char>(received_[1]);
+  if (command == 0xA5) {
+    received_.erase(0, 1);
+    return true;
+  }
+  if ((command & 0x80U) == 0) {
+    received_.erase(0, 2);
+    execute(command, {}, now_ns);
+    return true;
+  }
+  if (received_.size() < 3) {
+    return false;
+  }
+  const std::size_t summed = 3 + static_cast<std::size_t>(static_cast<unsigned char>(received_[2]));
+  if (received_.size() < summed + 1) {
+    return false;
+  }
+  const std::string request = received_.substr(0, summed + 1);
+  received_.erase(0, request.size());
+  if (xor_of(request) == 0) {
+    execute(command, std::string_view(request).substr(3, summed - 3), now_ns);
+  }
+  return true;
+}
+
+void RplidarDevice::stream(Mode mode, std::string_view answer, std::int64_t now_ns) {
+  mode_ = mode;
+  turn_ = -1;
+  is_first_capsule_ = true;
+  start_source(now_ns);
+  send(std::string(answer), now_ns);
+  skip_to(now_ns);
+}
+
+/// What newer firmware tells of its scans: 0 is the standard one, 1 the express one.
+std::string RplidarDevice::configuration(std::string_view payload) const {
+  constexpr unsigned kCount = 0x70;
+  constexpr unsigned kPace = 0x71;
+  constexpr unsigned kFarthest = 0x74;
+  constexpr unsigned kAnswerType = 0x75;
+  constexpr unsigned kTypical = 0x7C;
+  constexpr unsigned kName = 0x7F;
+  const unsigned what = static_cast<unsigned char>(payload[0]);
+  const bool is_express = payload.size() > 4 && payload[4] != 0;
+  std::string data(payload.substr(0, 4));
+  switch (what) {
+    case kCount:
+      put(data, 2);
+      break;
+    case kPace:
+      put(data, 256U * static_cast<unsigned>(is_express ? model_.express_sample_us : model_.sample_us) & 0xFFFFU);
+      put(data, static_cast<unsigned>(is_express ? model_.express_sample_us : model_.sample_us) >> 8U);
+      break;
+    case kFarthest:
+      put(data, static_cast<unsigned>(model_.range_far_m * 256.0));
+      put(data, 0);
+      break;
+    case kAnswerType:
+      data += byte(is_express ? 0x82 : 0x81);
+      break;
+    case kTypical:
+      put(data, 1);
+      break;
+    case kName:
+      data += is_express ? "Express" : "Standard";
+      data += '\0';
+      break;
+    default:
+      break;
+  }
+  return descriptor(static_cast<unsigned>(data.size()), false, 0x20) + data;
+}
+
+void RplidarDevice::execute(int command, std::string_view payload, std::int64_t now_ns) {
+  using rplidar::Command;
+  std::string answer;
+  switch (static_cast<Command>(command)) {
+    case Command::kStop:
+      mode_ = Mode::kIdle;
+      return;
+    case Command::kReset:
+      return restart(now_ns);
+    case Command::kInfo:
+      answer = descriptor(20, false, 0x04);
+      answer += byte(static_cast<unsigned>(model_.id));
+      answer += byte(static_cast<unsigned>(model_.firmware_minor));
+      answer += "\x01\x07";
+      answer += "ODOLESSEMULATED1";
+      return send(answer, now_ns);
+    case Command::kHealth:
+      answer = descriptor(3, false, 0x06);
+      answer.append(3, '\0');
+      return send(answer, now_ns);
+    case Command::kSampleTime:
+      answer = descriptor(4, false, 0x15);
+      put(answer, static_cast<unsigned>(model_.sample_us));
+      put(answer, static_cast<unsigned>(model_.express_sample_us));
+      return send(answer, now_ns);
+    case Command::kMotor:
+      motor_duty_ = payload.size() == 2
+                        ? static_cast<unsigned char>(payload[0]) + 256 * static_cast<unsigned char>(payload[1])
+                        : motor_duty_;
+      return;
+    case Command::kScan:
+      return stream(Mode::kStandard, descriptor(5, true, 0x81), now_ns);
+    case Command::kExpress:
+      return stream(Mode::kExpress, descriptor(84, true, 0x82), now_ns);
+  }
+  if (command == 0x21) {  // the standard scan, whatever its health
+    return stream(Mode::kStandard, descriptor(5, true, 0x81), now_ns);
+  }
+  if (command == 0x84 && payload.size() >= 4 && model_.firmware_minor >= 24) {
+    return send(configuration(payload), now_ns);
+  }
+  if (command == 0xFF) {  // whether its board has a motor that takes commands
+    answer = descriptor(4, false, 0xFF);
+    put(answer, model_.id >= 0x20 ? 1U : 0U);
+    put(answer, 0);
+    send(answer, now_ns);
+  }
+}
+
+}  // namespace odoless

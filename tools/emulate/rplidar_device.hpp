@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/emulate/emulated_lrf.hpp"
+
+namespace odoless {
+
+/// A laser that speaks RPLIDAR's protocol.
+struct RplidarModel {
+  std::string_view name;  ///< as in drivers/lrf/models.hpp, where it is there
+  std::string_view product;
+  int firmware_minor;  ///< of 1.x: clients take up to 16 for one without the express scan
+  int id;              ///< what it says to be
+  std::int64_t turn_ns;
+  int sample_us;  ///< of the standard scan
+  int express_sample_us;
+  int baud;
+  double range_far_m;  ///< what it really sees
+  double range_sd_m;   ///< standard deviation of one range
+};
+
+[[nodiscard]] std::span<const RplidarModel> rplidar_models();
+
+/// The model of that name, or null.
+[[nodiscard]] const RplidarModel* find_rplidar_model(std::string_view name);
+
+/// A laser that speaks RPLIDAR's protocol: stop, reset, information, health, sample times, motor, standard and express
+/// scan.
+///
+/// It samples evenly whatever its mirror does, so that the number of points in a turn varies. Points are sent eight at
+/// a time, or a capsule of 32.
+class RplidarDevice final : public EmulatedLrf {
+ public:
+  /// `source` must outlive it; its scans are the turns.
+  RplidarDevice(const RplidarModel& model, ScanSource& source, EmulatedLrfOptions options);
+
+  [[nodiscard]] int motor_duty() const { return motor_duty_; }
+
+ protected:
+  [[nodiscard]] int baud() const override { return model_.baud; }
+
+ private:
+  enum class Mode : std::uint8_t { kIdle, kStandard, kExpress };
+
+  void hear(std::string_view bytes, std::int64_t now_ns) override;
+  [[nodiscard]] std::int64_t due_ns(std::int64_t piece) const override;
+  void on_due(std::int64_t piece) override;
+  void restart(std::int64_t now_ns) override;
+
+  [[nodiscard]] bool take_request(std::int64_t now_ns);
+  void execute(int command, std::string_view payload, std::int64_t now_ns);
+  [[nodiscard]] std::string configuration(std::string_view payload) const;
+  void stream(Mode mode, std::string_view descriptor, std::int64_t now_ns);
+
+  /// One sample: where the mirror was, and what was seen.
+  struct Sample {
+    double angle_deg = 0.0;  ///< clockwise
+    double range_m = 0.0;
+    bool starts_turn = false;
+  };
+  [[nodiscard]] std::int64_t sample_ns() const;
+  [[nodiscard]] std::int64_t samples_per_piece() const { return mode_ == Mode::kExpress ? 32 : 8; }
+  [[nodiscard]] Sample sample(std::int64_t index);
+  void measure_turn(std::int64_t turn);
+  [[nodiscard]] double angle_deg(std::int64_t index) const;
+  [[nodiscard]] std::string nodes(std::span<const Sample> samples) const;
+  [[nodiscard]] std::string capsule(std::span<const Sample> samples);
+  [[nodiscard]] unsigned quarter_mm(double range_m) const;
+
+  RplidarModel model_;
+  std::string received_;
+  Mode mode_ = Mode::kIdle;
+  int motor_duty_ = 0;
+  bool is_first_capsule_ = false;
+  std::int64_t turn_ = -1;       ///< that is measured
+  std::int64_t turn_begin_ = 0;  ///< its first sample
+  std::vector<EmulatedBeam> beams_;
+  std::vector<double> ranges_m_;
+};
+
+}  // namespace odoless

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/lrf/lrf_params.hpp"
+#include "drivers/lrf/sick/scan_stream.hpp"
+#include "tools/emulate/emulated_lrf.hpp"
+
+namespace odoless {
+
+/// A laser that speaks the telegrams of the SICK LMS2xx.
+struct SickModel {
+  std::string_view name;     ///< as in drivers/lrf/models.hpp, where it is there
+  std::string_view product;  ///< as it answers when asked for its type
+  double range_far_m;        ///< what it really sees
+  double range_sd_m;         ///< standard deviation of one range
+  sick::Variant variant{};   ///< when it is switched on
+};
+
+[[nodiscard]] std::span<const SickModel> sick_models();
+
+/// The model of that name, or null.
+[[nodiscard]] const SickModel* find_sick_model(std::string_view name);
+
+/// The beams of a variant and their times: of steps below 1 degree, every turn of the mirror measures a part.
+[[nodiscard]] std::vector<EmulatedBeam> sick_beams(const sick::Variant& variant);
+
+/// A laser that speaks the telegrams of the SICK LMS2xx: modes, password, variants, units, line rates.
+///
+/// It starts at 9600 baud; while the line carries one scan, the others are left out, as on the device.
+class SickDevice final : public EmulatedLrf {
+ public:
+  /// `source` must outlive it; its scans come at the pace of the mirror's turns.
+  SickDevice(const SickModel& model, ScanSource& source, EmulatedLrfOptions options);
+
+  /// How often its configuration was written: its memory wears.
+  [[nodiscard]] int writes() const { return writes_; }
+
+ protected:
+  [[nodiscard]] int baud() const override { return baud_; }
+
+ private:
+  void hear(std::string_view bytes, std::int64_t now_ns) override;
+  [[nodiscard]] std::int64_t due_ns(std::int64_t index) const override;
+  void on_due(std::int64_t index) override;
+  void restart(std::int64_t now_ns) override;
+
+  [[nodiscard]] bool take_request(std::int64_t now_ns);
+  void execute(std::string_view payload, std::int64_t now_ns);
+  [[nodiscard]] std::string answer_to(std::string_view payload, std::int64_t now_ns);
+  [[nodiscard]] std::string set_mode(std::string_view payload, std::int64_t now_ns);
+  [[nodiscard]] std::string set_variant(std::string_view payload);
+  [[nodiscard]] std::string set_configuration(std::string_view payload);
+  [[nodiscard]] std::string state() const;
+  [[nodiscard]] std::string frame(std::int64_t index);
+  [[nodiscard]] unsigned value(double range_m) const;
+  [[nodiscard]] bool in_mm() const { return configuration_[6] == 1; }
+  [[nodiscard]] std::int64_t transfer_ns() const;
+  [[nodiscard]] std::int64_t measured_ns(std::int64_t index) const;
+
+  SickModel model_;
+  sick::Variant variant_;
+  std::string received_;
+  std::string configuration_;  ///< survives a loss of power
+  bool installing_ = false;
+  bool streams_ = false;
+  int baud_ = 9600;
+  int next_baud_ = 9600;            ///< from the next round on: the answer still goes at the old rate
+  std::int64_t line_free_ns_ = 0;   ///< when the scan before has been carried
+  std::int64_t next_start_ns_ = 0;  ///< the scan before takes all turns until then
+  int writes_ = 0;
+  std::vector<EmulatedBeam> beams_;
+  std::vector<double> ranges_m_;
+};
+
+}  // namespace odoless
