@@ -3,7 +3,7 @@
 #include "core/match/matcher_params.hpp"
 #include "core/odometry/laser_odometry.hpp"
 #include "core/scan/scan_frame.hpp"
-#include "core/slam/lslam_params.hpp"
+#include "core/slam/slam_params.hpp"
 
 namespace odoless {
 
@@ -27,7 +27,7 @@ struct RobotParams {
   MatcherParams matcher;
   LaserOdometryParams odometry;
   GateParams gate;
-  LslamParams slam;
+  SlamParams slam;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {

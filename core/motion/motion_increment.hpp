@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/geometry/pose2.hpp"
+#include "core/motion/motion_error.hpp"
 
 namespace odoless {
 
@@ -13,9 +14,7 @@ struct MotionIncrement {
   std::int64_t from_stamp_ns = 0;
   std::int64_t to_stamp_ns = 0;
   Pose2 previous_T_current;
-  double sd_x_m = 0.0;  ///< deviations of the match, in the previous scan's frame; 0: the motion model's law alone
-  double sd_y_m = 0.0;
-  double sd_yaw_rad = 0.0;
+  MotionError error{};  ///< of the match; without noise: the motion model's law alone
 };
 
 }  // namespace odoless

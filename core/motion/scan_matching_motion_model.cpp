@@ -16,9 +16,6 @@ double sample_a(double v, Rng& rng) {
   return v / 6.0 * sum;
 }
 
-/// The spread whose sampleA has the variance of sampleA(v) plus that of the match.
-double widened(double v, double match_sd) { return match_sd == 0.0 ? v : std::hypot(v, 3.0 * match_sd); }
-
 }  // namespace
 
 ScanMatchingMotionModel::ScanMatchingMotionModel(const MotionModelParams& params) : params_(params) {
@@ -26,19 +23,18 @@ ScanMatchingMotionModel::ScanMatchingMotionModel(const MotionModelParams& params
 }
 
 Pose2 ScanMatchingMotionModel::sample(const Pose2& map_T_previous, const Pose2& increment, double lambda_m,
-                                      const AxisDeviations& match, Rng& rng) const {
-  const auto translation_spread_m = [this](double travel_m, double match_sd_m) {
-    return widened(params_.translation_spread_m + params_.translation_spread_ratio * std::abs(travel_m), match_sd_m);
+                                      Rng& rng) const {
+  const auto translation_spread_m = [this](double travel_m) {
+    return params_.translation_spread_m + params_.translation_spread_ratio * std::abs(travel_m);
   };
   const double rotation_rad = std::abs(increment.yaw_rad);
-  const double rotation_spread_rad =
-      widened(params_.rotation_spread_rad + params_.rotation_spread_ratio * rotation_rad, match.yaw_rad);
+  const double rotation_spread_rad = params_.rotation_spread_rad + params_.rotation_spread_ratio * rotation_rad;
 
   // The order of the draws is the table's: sideways, along the heading, rotation.
-  const double left_m = increment.y_m - sample_a(translation_spread_m(increment.y_m, match.y_m), rng);
+  const double left_m = increment.y_m - sample_a(translation_spread_m(increment.y_m), rng);
   const bool slipped = rng.uniform() > 1.0 - params_.slip_probability && rotation_rad < params_.slip_rotation_max_rad;
-  const double forward_noise_m = slipped ? lambda_m + sample_a(lambda_m / 2.0, rng)
-                                         : sample_a(translation_spread_m(increment.x_m, match.x_m), rng);
+  const double forward_noise_m =
+      slipped ? lambda_m + sample_a(lambda_m / 2.0, rng) : sample_a(translation_spread_m(increment.x_m), rng);
   const double yaw_rad = increment.yaw_rad + sample_a(rotation_spread_rad, rng);
 
   // Lines 4 to 8: the table turns (dx, dy) by the heading less 90 degrees, which is to turn (dy, -dx) by the heading.

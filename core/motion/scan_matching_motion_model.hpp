@@ -35,13 +35,6 @@ struct MotionModelParams {
   }
 };
 
-/// Deviations along the axes of the previous robot frame.
-struct AxisDeviations {
-  double x_m = 0.0;
-  double y_m = 0.0;
-  double yaw_rad = 0.0;
-};
-
 /// Draws where the robot may be after a scan match reported a displacement: Tables 5.1 to 5.3 of the thesis chapter.
 ///
 /// Each axis gets independent, nearly Gaussian noise (sampleA: v/6 times the sum of 12 uniforms of [-1, 1), so mean 0,
@@ -61,13 +54,7 @@ class ScanMatchingMotionModel {
   /// @param lambda_m        Travel that the robot's last speed promises for this step, >= 0
   /// (core/motion/travel_speed.hpp).
   /// @return                map_T_current, one draw.
-  [[nodiscard]] Pose2 sample(const Pose2& map_T_previous, const Pose2& increment, double lambda_m, Rng& rng) const {
-    return sample(map_T_previous, increment, lambda_m, AxisDeviations{}, rng);
-  }
-
-  /// The same, with the variance of each axis increased by the match's own; zeros give the tables' law, bit for bit.
-  [[nodiscard]] Pose2 sample(const Pose2& map_T_previous, const Pose2& increment, double lambda_m,
-                             const AxisDeviations& match, Rng& rng) const;
+  [[nodiscard]] Pose2 sample(const Pose2& map_T_previous, const Pose2& increment, double lambda_m, Rng& rng) const;
 
  private:
   MotionModelParams params_;

@@ -4,6 +4,23 @@
 #include <cmath>
 
 namespace odoless {
+namespace {
+
+// A point's share of NdtDerivatives::held, but for its weight; (rx, ry) is its lever arm.
+Eigen::Matrix3d across_the_wall(const NdtInformation& b, double rx, double ry) {
+  const double xx = b.xx - b.along;  // (1/small - 1/large) v v^T, v across the wall
+  const double yy = b.yy - b.along;
+  const double doubt = Ndt::kAxis_sd_rad * Ndt::kAxis_sd_rad * (xx + yy);
+  const double axx = xx - doubt;
+  const double ayy = yy - doubt;
+  const double jx = -axx * ry + b.xy * rx;
+  const double jy = -b.xy * ry + ayy * rx;
+  Eigen::Matrix3d out;
+  out << axx, b.xy, jx, b.xy, ayy, jy, jx, jy, -ry * jx + rx * jy;
+  return out;
+}
+
+}  // namespace
 
 NdtInformation mended_information(const NdtCell& cell, double sigma_min_m, double sigma_ratio_min) {
   const double mid = 0.5 * (cell.cov_xx_m2 + cell.cov_yy_m2);
@@ -20,7 +37,7 @@ NdtInformation mended_information(const NdtCell& cell, double sigma_min_m, doubl
   const double uv = 0.5 * s2;
   const double il = 1.0 / large_m2;
   const double is = 1.0 / small_m2;
-  return {uu * il + vv * is, uv * (il - is), vv * il + uu * is};
+  return {uu * il + vv * is, uv * (il - is), vv * il + uu * is, il};
 }
 
 Ndt::Ndt(const NdtParams& params, int points_max) : params_(params), inverse_cell_size_(1.0 / params.cell_size_m) {
@@ -161,7 +178,6 @@ NdtDerivatives Ndt::derivatives(const PointSet& points, const Pose2& reference_T
     const double ry = s * p.x_m + c * p.y_m;
     const double x = reference_T_points.x_m + rx;
     const double y = reference_T_points.y_m + ry;
-    Eigen::Vector3d point_gradient = Eigen::Vector3d::Zero();
     for (int grid = 0; grid < kGrids; ++grid) {
       const int index = slot(grid, x, y);
       const int cell = index == kNone ? kNone : slot_cell_[static_cast<std::size_t>(index)];
@@ -182,13 +198,12 @@ NdtDerivatives Ndt::derivatives(const PointSet& points, const Pose2& reference_T
       Eigen::Matrix3d curvature;
       curvature << b.xx, b.xy, jx, b.xy, b.yy, jy, jx, jy, -ry * jx + rx * jy;
       out.score += weight;
-      point_gradient -= weight * v;
+      out.gradient -= weight * v;
       out.gauss_newton += weight * curvature;
+      out.held += weight * across_the_wall(b, rx, ry);
       out.hessian += weight * (v * v.transpose() - curvature);
       out.hessian(2, 2) += weight * (bx * rx + by * ry);
     }
-    out.gradient += point_gradient;
-    out.gradient_spread += point_gradient * point_gradient.transpose();
   }
   return out;
 }

@@ -47,6 +47,7 @@ struct NdtInformation {
   double xx = 0.0;  ///< 1/m2
   double xy = 0.0;
   double yy = 0.0;
+  double along = 0.0;  ///< the part that has no direction: of the longer axis
 };
 
 /// Mends a nearly singular covariance (the smaller deviation is at least `sigma_min_m` and `sigma_ratio_min` of the
@@ -58,8 +59,11 @@ struct NdtDerivatives {
   double score = 0.0;  ///< sum over the points, each in [0, 1]
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d gauss_newton = Eigen::Matrix3d::Zero();     ///< positive semi-definite part of -hessian
-  Eigen::Matrix3d gradient_spread = Eigen::Matrix3d::Zero();  ///< sum of the points' gradient outer products
+  Eigen::Matrix3d gauss_newton = Eigen::Matrix3d::Zero();  ///< positive semi-definite part of -hessian
+  /// What the walls hold: of `gauss_newton` the part across each cell's long axis. Along it there is the ripple of the
+  /// cells' borders alone, which moves with the grid and not with the scene. A cell's axis is only as good as
+  /// Ndt::kAxis_sd_rad, and what it may wrongly hold along the wall is taken off; so the sum may be slightly negative.
+  Eigen::Matrix3d held = Eigen::Matrix3d::Zero();
 };
 
 /// Normal Distributions Transform of a point set: four grids, shifted by half a cell [biber2003ndt].
@@ -69,6 +73,7 @@ struct NdtDerivatives {
 class Ndt {
  public:
   static constexpr int kGrids = 4;
+  static constexpr double kAxis_sd_rad = 0.03;  ///< of a cell's long axis, see NdtDerivatives::held
 
   Ndt(const NdtParams& params, int points_max);
 

@@ -29,47 +29,98 @@ LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const MatcherPar
       keys_(static_cast<std::size_t>(params.key_scans), KeyScan{ScanFrame(scan), {}}),
       placed_(static_cast<std::size_t>(params.key_scans)) {
   ODOLESS_CHECK(parameters_in_range(params));
+  covariance_.bottomRightCorner<2, 2>().diagonal().setConstant(0.5 * params.speed_error_max_mps *
+                                                               params.speed_error_max_mps);
 }
 
 OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, Rng& rng) {
   OdometryStep step;
   step.to_stamp_ns = scan.stamp_ns();
   step.from_stamp_ns = started_ ? stamp_ns_ : step.to_stamp_ns;
-  const double period_s =
-      std::max(params_.period_min_s, static_cast<double>(step.to_stamp_ns - step.from_stamp_ns) * 1e-9);
+  const double period_s = steady_period_s(
+      std::max(params_.period_min_s, static_cast<double>(step.to_stamp_ns - step.from_stamp_ns) * 1e-9));
+  const Prediction prediction = predict(period_s);
   const Pose2 odom_T_key = reference_.empty() ? odom_T_scan_ : odom_T_key_;
-  const Pose2 key_T_scan = odom_T_key.inverse() * predict(period_s);
+  const Pose2 key_T_scan = odom_T_key.inverse() * prediction.odom_T_scan;
   const Deviations expected = deviations(period_s);
   const double widening = params_.expectation_widening;
   const Result<MatchResult> match = matcher_.match(
       reference_, scan, {key_T_scan, widening * expected.sd_m, widening * expected.sd_rad}, deadline, rng);
   step.matched = match.ok();
   step.match = match.ok() ? match.value() : MatchResult{};
-  const Fused fused = match.ok() ? fuse(key_T_scan, step.match, expected) : Fused{key_T_scan, expected.covariance()};
-  step.odom_T_scan = odom_T_key * fused.key_T_scan;
+  step.odom_T_scan = prediction.odom_T_scan;
+  step.error = started_ ? prediction.error : MotionError{};  // the first scan is where the run begins
+  if (step.matched) {
+    correct(prediction, odom_T_key, step);
+  }
   step.previous_T_current = odom_T_scan_.inverse() * step.odom_T_scan;
-  step.covariance = turned(fused.covariance, (odom_T_scan_.inverse() * odom_T_key).yaw_rad);
+  step.covariance = increment_covariance(prediction, step);
   remember(step, period_s);
-  if (reference_.empty() || std::hypot(fused.key_T_scan.x_m, fused.key_T_scan.y_m) > params_.key_distance_m ||
-      std::abs(fused.key_T_scan.yaw_rad) > params_.key_rotation_rad) {
+  if (reference_.empty() || (odom_T_key.inverse() * odom_T_scan_).distance_m({}) > params_.key_distance_m ||
+      std::abs(wrap_angle(odom_T_scan_.yaw_rad - odom_T_key.yaw_rad)) > params_.key_rotation_rad) {
     add_key(scan, odom_T_scan_);
   }
   return step;
 }
 
+// Of the motion alone, whatever the pose before was off by: what the error gained or lost.
+Eigen::Matrix3d LaserOdometry::increment_covariance(const Prediction& prediction, const OdometryStep& step) const {
+  Eigen::Matrix<double, 3, 5> gained = step.error.carried.topRows<3>();
+  gained.leftCols<3>() -= prediction.error.carried.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d covariance = gained * covariance_ * gained.transpose() + step.error.noise.topLeftCorner<3, 3>();
+  return turned(covariance, step.previous_T_current.yaw_rad);
+}
+
+// Devices scan steadily; stamps that waver about the usual period say more of the computer than of the laser.
+double LaserOdometry::steady_period_s(double period_s) {
+  constexpr double kWaver_min = 0.4;
+  constexpr double kWaver_max = 1.7;  // less than 2: a scan that is missing is no wavering
+  constexpr double kGain = 0.1;
+  const bool wavers = period_s > kWaver_min * usual_period_s_ && period_s < kWaver_max * usual_period_s_;
+  usual_period_s_ = wavers ? usual_period_s_ + kGain * (period_s - usual_period_s_) : period_s;
+  return wavers ? usual_period_s_ : period_s;
+}
+
 void LaserOdometry::remember(const OdometryStep& step, double period_s) {
   const double kept = step.matched ? 1.0 : kSpeed_kept_unmatched;  // a blind robot is not taken to drive on for ever
-  speed_x_mps_ = kept * step.previous_T_current.x_m / period_s;
-  speed_y_mps_ = kept * step.previous_T_current.y_m / period_s;
+  speed_x_mps_ *= kept;
+  speed_y_mps_ *= kept;
   speed_yaw_radps_ = kept * step.previous_T_current.yaw_rad / period_s;
+  if (started_) {
+    covariance_ = step.error.carried * covariance_ * step.error.carried.transpose() + step.error.noise;
+  }
   odom_T_scan_ = step.odom_T_scan;
   stamp_ns_ = step.to_stamp_ns;
   started_ = true;
 }
 
-Pose2 LaserOdometry::predict(double period_s) const {
+LaserOdometry::Prediction LaserOdometry::predict(double period_s) const {
   const double driven_s = std::min(period_s, params_.prediction_max_s);
-  return odom_T_scan_ * Pose2{speed_x_mps_ * driven_s, speed_y_mps_ * driven_s, speed_yaw_radps_ * driven_s};
+  const Pose2 motion{speed_x_mps_ * driven_s, speed_y_mps_ * driven_s, speed_yaw_radps_ * driven_s};
+  const double c = std::cos(motion.yaw_rad);
+  const double s = std::sin(motion.yaw_rad);
+  Eigen::Matrix2d turn;  // into the new scan's axes
+  turn << c, s, -s, c;
+  Prediction out;
+  out.odom_T_scan = odom_T_scan_ * motion;
+  MotionError::Matrix& carried = out.error.carried;
+  carried.topLeftCorner<2, 2>() = turn;
+  carried.block<2, 1>(0, 2) = turn * Eigen::Vector2d(-motion.y_m, motion.x_m);
+  carried.topRightCorner<2, 2>() = driven_s * turn;
+  const double walk = params_.speed_walk_sd_mps * params_.speed_walk_sd_mps;
+  MotionError::Matrix& noise = out.error.noise;
+  noise.topLeftCorner<2, 2>().diagonal().setConstant(walk * period_s * period_s * period_s / 3.0);
+  noise.topRightCorner<2, 2>() = 0.5 * walk * period_s * period_s * turn;
+  noise.bottomLeftCorner<2, 2>() = noise.topRightCorner<2, 2>().transpose();
+  noise.bottomRightCorner<2, 2>().diagonal().setConstant(walk * period_s);
+  const double sd_rad = deviations(period_s).sd_rad;
+  noise(2, 2) = sd_rad * sd_rad;
+  const MotionError::Matrix ahead = carried * covariance_ * carried.transpose() + noise;
+  const double variance = ahead.bottomRightCorner<2, 2>().trace();
+  const double kept = std::min(1.0, params_.speed_error_max_mps / std::sqrt(std::max(1e-12, variance)));
+  MotionError::Matrix bound = MotionError::Matrix::Identity();
+  bound.bottomRightCorner<2, 2>() *= kept;
+  return {out.odom_T_scan, {bound * carried, bound * noise * bound}};
 }
 
 LaserOdometry::Deviations LaserOdometry::deviations(double period_s) const {
@@ -81,27 +132,24 @@ LaserOdometry::Deviations LaserOdometry::deviations(double period_s) const {
   return {params_.acceleration_sd_mps2 * span_s * span_s, params_.angular_acceleration_sd_radps2 * span_s * span_s};
 }
 
-Eigen::Matrix3d LaserOdometry::Deviations::covariance() const {
-  return Eigen::Vector3d(sd_m * sd_m, sd_m * sd_m, sd_rad * sd_rad).asDiagonal();
-}
-
-LaserOdometry::Fused LaserOdometry::fuse(const Pose2& prediction, const MatchResult& match,
-                                         const Deviations& expected) {
-  Eigen::Matrix3d match_covariance = match.covariance;
-  match_covariance.diagonal() +=
+void LaserOdometry::correct(const Prediction& prediction, const Pose2& odom_T_key, OdometryStep& step) {
+  const Pose2 key_T_scan = odom_T_key.inverse() * prediction.odom_T_scan;
+  const Pose2 difference = key_T_scan.inverse() * step.match.reference_T_scan;
+  Eigen::Matrix3d match = turned(step.match.covariance, -key_T_scan.yaw_rad);
+  match.diagonal() +=
       Eigen::Vector3d(kMatch_sd_m * kMatch_sd_m, kMatch_sd_m * kMatch_sd_m, kMatch_sd_rad * kMatch_sd_rad);
-  if (expected.sd_m <= 0.0 || expected.sd_rad <= 0.0) {
-    return {match.reference_T_scan, match_covariance};
-  }
-  const Eigen::Matrix3d prior = expected.covariance();
-  const Eigen::Matrix3d gain = (prior + match_covariance).ldlt().solve(prior).transpose();
-  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain;
-  const Eigen::Vector3d difference(match.reference_T_scan.x_m - prediction.x_m,
-                                   match.reference_T_scan.y_m - prediction.y_m,
-                                   wrap_angle(match.reference_T_scan.yaw_rad - prediction.yaw_rad));
-  const Eigen::Vector3d moved = gain * difference;
-  return {{prediction.x_m + moved.x(), prediction.y_m + moved.y(), wrap_angle(prediction.yaw_rad + moved.z())},
-          rest * prior * rest.transpose() + gain * match_covariance * gain.transpose()};  // Joseph: never negative
+  const MotionError& ahead = prediction.error;
+  const MotionError::Matrix prior = ahead.carried * covariance_ * ahead.carried.transpose() + ahead.noise;
+  const Eigen::Matrix<double, 5, 3> gain =
+      (prior.topLeftCorner<3, 3>() + match).ldlt().solve(prior.topRows<3>()).transpose();
+  MotionError::Matrix rest = MotionError::Matrix::Identity();
+  rest.leftCols<3>() -= gain;
+  const MotionError::Vector moved = gain * Eigen::Vector3d(difference.x_m, difference.y_m, difference.yaw_rad);
+  step.odom_T_scan = prediction.odom_T_scan * Pose2{moved(0), moved(1), moved(2)};
+  speed_x_mps_ += moved(3);
+  speed_y_mps_ += moved(4);
+  step.error.carried = rest * ahead.carried;
+  step.error.noise = rest * ahead.noise * rest.transpose() + gain * match * gain.transpose();  // Joseph: never negative
 }
 
 void LaserOdometry::add_key(const ScanFrame& scan, const Pose2& odom_T_scan) {

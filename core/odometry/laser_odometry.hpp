@@ -9,6 +9,7 @@
 #include "core/base/rng.hpp"
 #include "core/match/match_reference.hpp"
 #include "core/match/ndt_matcher.hpp"
+#include "core/motion/motion_error.hpp"
 #include "core/scan/scan_frame.hpp"
 
 namespace odoless {
@@ -33,6 +34,8 @@ struct LaserOdometryParams {
   double expectation_period_min_s = 0.1;
   double prediction_max_s = 0.5;
   double expectation_widening = 3.0;
+  double speed_walk_sd_mps = 0.5;
+  double speed_error_max_mps = 0.4;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -53,6 +56,10 @@ struct LaserOdometryParams {
                 "The search expects the motion within so many of these deviations.");
     visit.value("expectation_period_min_s", self.expectation_period_min_s, Range{0.0, 10.0},
                 "The expected accelerations are taken to act for at least so long, however fast scans follow.");
+    visit.value("speed_walk_sd_mps", self.speed_walk_sd_mps, Range{0.0, 100.0},
+                "How far the speed is expected to change within 1 s, as a random walk.");
+    visit.value("speed_error_max_mps", self.speed_error_max_mps, Range{0.01, 100.0},
+                "Most that the speed is taken to be in doubt, however long nothing held it.");
     visit.value("period_min_s", self.period_min_s, Range{0.001, 10.0},
                 "Stamps nearer than this are taken to be this far apart.");
   }
@@ -66,6 +73,7 @@ struct OdometryStep {
   Pose2 odom_T_scan{};
   Eigen::Matrix3d covariance =
       Eigen::Matrix3d::Zero();  ///< of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes
+  MotionError error{};          ///< the same in full: what becomes of the error before
   MatchResult match;
   bool matched = false;  ///< false for the first scan, and where nothing could be matched: then the prediction stands
 };
@@ -94,14 +102,17 @@ class LaserOdometry {
     double sd_rad;
     [[nodiscard]] Eigen::Matrix3d covariance() const;
   };
-  struct Fused {
-    Pose2 key_T_scan;
-    Eigen::Matrix3d covariance;  ///< over (x_m, y_m, yaw_rad), the key scan's axes
+  struct Prediction {
+    Pose2 odom_T_scan;
+    MotionError error;
   };
-  [[nodiscard]] Pose2 predict(double period_s) const;
+  /// Constant velocity; what may be off of it.
+  [[nodiscard]] Prediction predict(double period_s) const;
   [[nodiscard]] Deviations deviations(double period_s) const;
-  /// The match where the scene holds it, the prediction where it does not.
-  [[nodiscard]] static Fused fuse(const Pose2& prediction, const MatchResult& match, const Deviations& expected);
+  /// Kalman's update of the prediction by a match. [kalman1960]
+  void correct(const Prediction& prediction, const Pose2& odom_T_key, OdometryStep& step);
+  [[nodiscard]] Eigen::Matrix3d increment_covariance(const Prediction& prediction, const OdometryStep& step) const;
+  [[nodiscard]] double steady_period_s(double period_s);
   void remember(const OdometryStep& step, double period_s);
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
 
@@ -117,6 +128,8 @@ class LaserOdometry {
   std::int64_t stamp_ns_ = 0;
   Pose2 odom_T_scan_{};
   double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;
+  double usual_period_s_ = 0.0;
+  MotionError::Matrix covariance_ = MotionError::Matrix::Zero();  ///< of the error of odom_T_scan_ and the speed
 };
 
 }  // namespace odoless

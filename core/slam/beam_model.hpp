@@ -11,6 +11,7 @@ struct BeamModelParams {
   double sigma_m = 0.05;
   double floor = 0.1;
   double unknown_rho_m = 8.0;
+  double unknown_likelihood = 0.7;
   double rho_min_m = 0.02;
 
   template <class Self, class Visitor>
@@ -19,6 +20,8 @@ struct BeamModelParams {
     visit.value("floor", self.floor, Range{1e-6, 0.9}, "Likelihood of a beam that the map does not explain at all.");
     visit.value("unknown_rho_m", self.unknown_rho_m, Range{0.05, 1000.0},
                 "Mean distance that a beam travels in cells never seen.");
+    visit.value("unknown_likelihood", self.unknown_likelihood, Range{0.0, 1.0},
+                "Likelihood of a beam that ends where nothing was seen yet; 0: as published, by unknown_rho_m.");
     visit.value("rho_min_m", self.rho_min_m, Range{0.0005, 1.0},
                 "Least mean distance that a beam travels in a cell, however often beams stopped in it.");
   }
@@ -31,6 +34,10 @@ struct BeamModelParams {
 /// sigma^2) with m the way to the middle of the path in the cell, and is lifted by a uniform floor. Constant factors
 /// are left out: they cancel when weights are normalised.
 ///
+/// Beyond the paper: a beam that reaches a cell never seen within 3 sigma of its end counts `unknown_likelihood` for
+/// all that lies behind. As published it would count next to nothing, and particles that see less new ground would
+/// weigh more.
+///
 /// `Map` has `at(GridCell)`, which returns the Cell for any column and row.
 /// Units:     lengths along a walk are in cells. Thread: immutable. Real time: no allocation, bounded by the walk.
 class BeamModel {
@@ -39,6 +46,7 @@ class BeamModel {
       : floor_(static_cast<float>(params.floor)),
         sigmas_per_cell_(static_cast<float>(resolution_m / params.sigma_m)),
         unknown_stops_per_cell_(static_cast<float>(resolution_m / params.unknown_rho_m)),
+        unknown_likelihood_(static_cast<float>(params.unknown_likelihood)),
         rho_min_parts_(static_cast<float>(params.rho_min_m / resolution_m * Cell::kParts)) {}
 
   /// Way beyond a range that a walk must cover for `likelihood`.
@@ -58,6 +66,10 @@ class BeamModel {
         continue;
       }
       const float before = depth;
+      if (cell.is_unknown() && unknown_likelihood_ > 0.0F && walk.exit() > near_cells) {
+        sum += (near ? reach : decay(before)) * unknown_likelihood_;
+        break;
+      }
       depth += stops_per_cell(cell) * walk.length_cells();
       if (walk.exit() > near_cells) {
         reach = near ? reach : decay(before);
@@ -108,6 +120,7 @@ class BeamModel {
   float floor_;
   float sigmas_per_cell_;
   float unknown_stops_per_cell_;
+  float unknown_likelihood_;
   float rho_min_parts_;
 };
 

@@ -8,14 +8,13 @@
 
 #include "core/base/rng.hpp"
 #include "core/geometry/pose2.hpp"
-#include "core/grid/ancestry_grid.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "core/motion/motion_increment.hpp"
 #include "core/motion/scan_matching_motion_model.hpp"
 #include "core/motion/travel_speed.hpp"
 #include "core/scan/scan_frame.hpp"
 #include "core/slam/lslam_params.hpp"
-#include "core/slam/path_pool.hpp"
+#include "core/slam/particle_maps.hpp"
 #include "core/slam/pose_search.hpp"
 #include "core/slam/scan_beams.hpp"
 
@@ -73,64 +72,57 @@ class Lslam {
   void set_particles(int wanted);
 
   /// Particles: one before the first update, then as many as were asked for.
-  [[nodiscard]] int particles() const { return grid_.tree().particles(); }
-  [[nodiscard]] const Pose2& pose(int particle) const { return poses_[static_cast<std::size_t>(particle)]; }
+  [[nodiscard]] int particles() const { return particles_.size(); }
+  [[nodiscard]] const Pose2& pose(int particle) const { return particles_.pose(particle); }
   /// Sum 1.
-  [[nodiscard]] double weight(int particle) const { return weights_[static_cast<std::size_t>(particle)]; }
+  [[nodiscard]] double weight(int particle) const { return particles_.weight(particle); }
   /// The heaviest particle; just after resampling a copy of it.
-  [[nodiscard]] int best() const { return best_; }
-  [[nodiscard]] double effective_particles() const;
+  [[nodiscard]] int best() const { return particles_.best(); }
+  [[nodiscard]] double effective_particles() const { return particles_.effective(); }
   /// Weighted mean and covariance; yaw is averaged on the circle.
   [[nodiscard]] PoseEstimate estimate() const;
 
   /// A particle's map, to read cells from; not const, since looks are remembered.
-  [[nodiscard]] AncestryGrid::View map(int particle) { return grid_.view(particle); }
+  [[nodiscard]] AncestryGrid::View map(int particle) { return particles_.grid().view(particle); }
   /// The best particle's map. May allocate, in `map` alone.
-  void write_occupancy(OccupancyMap& map) { grid_.write_occupancy(best_, params_.beam.rho_min_m, map); }
+  void write_occupancy(OccupancyMap& map) { particles_.grid().write_occupancy(best(), params_.beam.rho_min_m, map); }
   /// A square of the best particle's map: AncestryGrid::write_square.
   [[nodiscard]] bool write_square(GridCell corner, int side_cells, std::span<std::uint8_t> percent) {
-    return grid_.write_square(best_, params_.beam.rho_min_m, corner, side_cells, percent);
+    return particles_.grid().write_square(best(), params_.beam.rho_min_m, corner, side_cells, percent);
   }
   /// The best particle's poses, one per update, oldest first. May allocate, in `path` alone.
-  void write_path(std::vector<StampedPose>& path) const { paths_.write_path(best_, path); }
+  void write_path(std::vector<StampedPose>& path) const { particles_.paths().write_path(best(), path); }
+  /// The last poses of a particle's path, see PathPool::copy_last.
+  [[nodiscard]] int copy_last_poses(int particle, std::span<StampedPose> last) const {
+    return particles_.paths().copy_last(particle, last);
+  }
 
   [[nodiscard]] const LslamParams& params() const { return params_; }
-  [[nodiscard]] const GridGeometry& geometry() const { return grid_.geometry(); }
+  [[nodiscard]] const GridGeometry& geometry() const { return particles_.grid().geometry(); }
   /// Tiles of the pool in use, of `params.grid.tiles_max`.
-  [[nodiscard]] int tiles_used() const { return grid_.tiles_used(); }
+  [[nodiscard]] int tiles_used() const { return particles_.grid().tiles_used(); }
   /// All memory set aside at construction.
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  template <class Value>
-  [[nodiscard]] std::span<Value> living(std::vector<Value>& values) const {
-    return std::span(values).first(static_cast<std::size_t>(particles()));
-  }
   void move(const MotionIncrement& increment, UpdateReport& report);
   void weigh(const ScanFrame& scan, UpdateReport& report);
   [[nodiscard]] ScoredPose refined(int particle, std::span<const Beam> beams);
   [[nodiscard]] bool select_survivors(UpdateReport& report);
   void map_scan(const ScanFrame& scan, bool only_survivors);
-  void multiply();
   void count(const AncestryGrid::Counters& before, std::int64_t thinned_before, UpdateReport& report);
 
   LslamParams params_;
   ScanMatchingMotionModel motion_;
   BeamModel model_;
-  AncestryGrid grid_;
-  PathPool paths_;
+  ParticleMaps particles_;
   TravelSpeed speed_;
   Rng rng_;
-  std::vector<Pose2> poses_;
-  std::vector<Pose2> old_poses_;
-  std::vector<double> log_weights_;
-  std::vector<double> weights_;
   std::vector<double> scores_;
-  std::vector<int> copies_;
-  std::vector<int> scratch_;
+  std::vector<DrawnError> errors_;  ///< what each particle takes the odometry to be off by now
+  std::vector<DrawnError> old_errors_;
   std::vector<Beam> beams_;
   int wanted_particles_;
-  int best_ = 0;
   bool started_ = false;
   bool pool_was_full_ = false;
 };

@@ -9,7 +9,7 @@ namespace odoless {
 
 /// Of the low-level DP-SLAM filter.
 struct LslamParams {
-  int particles = 100;
+  int particles = 200;
   int beams_used = 60;
   double tempering = 0.5;
   double resample_below = 0.5;

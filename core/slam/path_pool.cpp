@@ -6,8 +6,9 @@
 
 namespace odoless {
 
-PathPool::PathPool(int records_max, int particles_max) : particles_max_(static_cast<std::size_t>(particles_max)) {
-  ODOLESS_CHECK(particles_max >= 1 && records_max >= 16 * particles_max);
+PathPool::PathPool(int records_max, int particles_max, int appends_max)
+    : particles_max_(static_cast<std::size_t>(particles_max)), appends_max_(static_cast<std::size_t>(appends_max)) {
+  ODOLESS_CHECK(particles_max >= 1 && appends_max >= 1 && records_max >= 16 * appends_max * particles_max);
   records_.resize(static_cast<std::size_t>(records_max));
   free_.reserve(records_.size());
   ends_.resize(particles_max_);
@@ -62,9 +63,19 @@ void PathPool::append(int particle, const StampedPose& pose) {
 
 void PathPool::next_update() {
   ++update_;
-  if (free_.size() < particles_max_) {
+  if (free_.size() < appends_max_ * particles_max_) {
     thin();
   }
+}
+
+int PathPool::copy_last(int particle, std::span<StampedPose> last) const {
+  std::size_t count = 0;
+  for (Index i = ends_[static_cast<std::size_t>(particle)]; i != kNone && count < last.size();
+       i = records_[i].previous) {
+    last[count++] = records_[i].pose;
+  }
+  std::reverse(last.begin(), last.begin() + static_cast<std::ptrdiff_t>(count));
+  return static_cast<int>(count);
 }
 
 void PathPool::write_path(int particle, std::vector<StampedPose>& path) const {
@@ -88,7 +99,7 @@ void PathPool::release(Index index) {
 }
 
 /// A record goes unless it lost a neighbour in this round. So at least a third of those that may go does: of the older
-/// half of the pool (7.5 records per particle) at most 2 per particle, forks and ends, may not.
+/// half of the pool (7.5 times what an update appends) at most 2 per particle, forks and ends, may not.
 void PathPool::thin() {
   ++thinnings_;
   const std::int64_t median = median_update();
@@ -104,7 +115,7 @@ void PathPool::thin() {
     free_.push_back(before);
     ++thinned_;
   }
-  ODOLESS_CHECK(free_.size() >= particles_max_);
+  ODOLESS_CHECK(free_.size() >= appends_max_ * particles_max_);
 }
 
 /// The least update such that half of the records are not newer, by bisection: no memory, and 64 rounds at most.

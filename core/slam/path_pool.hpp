@@ -12,15 +12,16 @@ namespace odoless {
 /// The whole path of every particle, in a fixed pool: records point to the one before, so that particles share what
 /// they have in common, and a record goes when no path leads over it.
 ///
-/// When the pool has no room for one more record per particle, paths are thinned: of the older half of the records,
-/// every second one along each path goes, but for the first and those where paths fork. What goes is counted.
+/// When the pool has no room for what an update may append to every path, paths are thinned: of the older half of the
+/// records, every second one along each path goes, but for the first and those where paths fork. What goes is counted.
 /// Thread:    owned by one thread.
 /// Real time: no allocation after construction but in `write_path`; thinning is linear in the pool, all else in the
 ///            particles (the records that a lost particle alone led to are given back in one go).
 class PathPool {
  public:
-  /// @param records_max  At least 16 * particles_max: thinning then always finds room.
-  PathPool(int records_max, int particles_max);
+  /// @param records_max  At least 16 * appends_max * particles_max: thinning then always finds room.
+  /// @param appends_max  Most that a path grows by between two calls of `next_update`.
+  PathPool(int records_max, int particles_max, int appends_max = 1);
 
   /// One particle, without a path.
   void reset();
@@ -29,8 +30,12 @@ class PathPool {
   void branch(std::span<const int> copies);
   /// Lengthens a particle's path. All appended between two calls of `next_update` belong to the same update.
   void append(int particle, const StampedPose& pose);
-  /// Begins an update; makes room for one record per particle.
+  /// Begins an update; makes room for it.
   void next_update();
+
+  /// The last poses of a particle's path, oldest first, as many as the path has, up to the span's size. Returns their
+  /// number. Whole unless paths were thinned down to them.
+  [[nodiscard]] int copy_last(int particle, std::span<StampedPose> last) const;
 
   /// A particle's path from its first pose to its last. May allocate, in `path` alone.
   void write_path(int particle, std::vector<StampedPose>& path) const;
@@ -57,6 +62,7 @@ class PathPool {
   [[nodiscard]] bool may_go(Index index, std::int64_t newest_to_go) const;
 
   std::size_t particles_max_;
+  std::size_t appends_max_;
   std::size_t particles_ = 1;
   std::vector<Record> records_;
   std::vector<Index> free_;

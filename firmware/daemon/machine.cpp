@@ -161,6 +161,7 @@ DaemonResult Machine::result() {
   result.online_trajectory = publisher_.online_poses();
   if (has_ended() && filter_) {
     std::vector<StampedPose> path;
+    filter_->filter().finish();
     filter_->filter().write_path(path);
     filter_->filter().write_occupancy(result.map);
     result.trajectory = publisher_.final_poses(path);

@@ -5,7 +5,7 @@
 namespace odoless {
 
 FilterStage::FilterStage(const RobotParams& params, std::uint64_t seed)
-    : gate_(params.gate), filter_(params.slam, seed) {}
+    : gate_(params.gate), filter_(params.slam, params.scan, seed) {}
 
 bool FilterStage::gate_is_open() const {
   return !started_ || std::hypot(update_T_scan_.x_m, update_T_scan_.y_m) >= gate_.distance_m ||
@@ -13,22 +13,12 @@ bool FilterStage::gate_is_open() const {
 }
 
 void FilterStage::compose(const OdometryStep& step) {
-  const double c = std::cos(update_T_scan_.yaw_rad);
-  const double s = std::sin(update_T_scan_.yaw_rad);
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() << c, -s, s, c;
-  covariance_ += turn * step.covariance * turn.transpose();
+  error_ = error_.then(step.error);
   update_T_scan_ = update_T_scan_ * step.previous_T_current;
 }
 
 MotionIncrement FilterStage::increment(std::int64_t stamp_ns) const {
-  MotionIncrement out{update_stamp_ns_, stamp_ns, update_T_scan_};
-  if (gate_.widen_by_match) {
-    out.sd_x_m = std::sqrt(covariance_(0, 0));
-    out.sd_y_m = std::sqrt(covariance_(1, 1));
-    out.sd_yaw_rad = std::sqrt(covariance_(2, 2));
-  }
-  return out;
+  return {update_stamp_ns_, stamp_ns, update_T_scan_, gate_.widen_by_match ? error_ : MotionError{}};
 }
 
 FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step) {
@@ -40,34 +30,36 @@ FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step)
     started_ = true;
     update_stamp_ns_ = scan.stamp_ns();
     update_T_scan_ = Pose2{};
-    covariance_.setZero();
+    error_ = MotionError{};
   }
-  return placed(out);
+  filter_.work();
+  return placed(out, step);
 }
 
 FilterStep FilterStage::process(const OdometryStep& step) {
   compose(step);
-  return placed({});
+  return placed({}, step);
 }
 
-FilterStep FilterStage::placed(FilterStep step) const {
-  step.update_stamp_ns = update_stamp_ns_;
-  step.update_T_scan = update_T_scan_;
-  step.map_T_scan = filter_.estimate().map_T_scan * update_T_scan_;
-  return step;
+FilterStep FilterStage::placed(FilterStep out, const OdometryStep& step) const {
+  out.update_stamp_ns = update_stamp_ns_;
+  out.update_T_scan = update_T_scan_;
+  out.map_T_scan = filter_.estimate().map_T_scan * update_T_scan_;
+  out.map_T_odom = out.map_T_scan * step.odom_T_scan.inverse();
+  return out;
 }
 
 void FilterStage::reset(const Pose2& map_T_scan) {
   filter_.reset(map_T_scan);
   update_T_scan_ = Pose2{};
-  covariance_.setZero();
+  error_ = MotionError{};
   started_ = false;
 }
 
 void FilterStage::set_pose(const Pose2& map_T_scan) {
   filter_.set_pose(map_T_scan);
   update_T_scan_ = Pose2{};
-  covariance_.setZero();
+  error_ = MotionError{};
 }
 
 }  // namespace odoless

@@ -1,18 +1,18 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 
 #include "config/robot_params.hpp"
 #include "core/odometry/laser_odometry.hpp"
-#include "core/slam/lslam.hpp"
+#include "core/slam/slam.hpp"
 
 namespace odoless {
 
 /// What the filter makes of one scan. A scan between two updates hangs on the last one.
 struct FilterStep {
   Pose2 map_T_scan{};                ///< as known now: the mean of the particles, which is steadier than the best
+  Pose2 map_T_odom{};                ///< corrects the drift of the odometry; jumps where a loop is closed
   std::int64_t update_stamp_ns = 0;  ///< of the last update
   Pose2 update_T_scan{};             ///< motion since then
   bool updated = false;
@@ -40,26 +40,26 @@ class FilterStage {
   [[nodiscard]] bool paused() const { return paused_; }
 
   [[nodiscard]] const GridGeometry& geometry() const { return filter_.geometry(); }
-  /// A square of the best map: Lslam::write_square.
+  /// A square of the best map: Slam::write_square.
   [[nodiscard]] bool write_tile(GridCell corner, int side_cells, std::span<std::uint8_t> percent) {
     return filter_.write_square(corner, side_cells, percent);
   }
 
-  /// For a live filter that must keep its time; a replay runs with all (Lslam::set_particles).
+  /// For a live filter that must keep its time; a replay runs with all (Slam::set_particles).
   void set_particles(int wanted) { filter_.set_particles(wanted); }
 
-  [[nodiscard]] Lslam& filter() { return filter_; }
+  [[nodiscard]] Slam& filter() { return filter_; }
 
  private:
   [[nodiscard]] bool gate_is_open() const;
   void compose(const OdometryStep& step);
-  [[nodiscard]] FilterStep placed(FilterStep step) const;
+  [[nodiscard]] FilterStep placed(FilterStep out, const OdometryStep& step) const;
   [[nodiscard]] MotionIncrement increment(std::int64_t stamp_ns) const;
 
   GateParams gate_;
-  Lslam filter_;
+  Slam filter_;
   Pose2 update_T_scan_{};
-  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  ///< of update_T_scan_, axes of the update's scan
+  MotionError error_{};  ///< of update_T_scan_
   std::int64_t update_stamp_ns_ = 0;
   bool started_ = false;
   bool paused_ = false;

@@ -1,11 +1,24 @@
 #include "firmware/threads/filter_intake.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "firmware/records/convert.hpp"
 #include "firmware/threads/matcher_loop.hpp"
 
 namespace odoless {
+namespace {
+
+// The motion's covariance in the axes of the scan that it ends at: all that a record tells of its error.
+Eigen::Matrix3d in_current_axes(const OdometryStep& step) {
+  const double c = std::cos(step.previous_T_current.yaw_rad);
+  const double s = std::sin(step.previous_T_current.yaw_rad);
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() << c, s, -s, c;
+  return turn * step.covariance * turn.transpose();
+}
+
+}  // namespace
 
 void FilterIntake::take(ScanSlot slot) {
   ScanSlot& place = waiting_[next_waiting_];
@@ -39,6 +52,7 @@ OdometryStep FilterIntake::step_of(const MotionRecord& motion) const {
     step.previous_T_current = odom_T_last_.inverse() * motion.odom_T_scan;
     step.covariance *= own_s > 0.0 ? whole_s / own_s : 1.0;
   }
+  step.error = MotionError::independent(in_current_axes(step));
   return step;
 }
 

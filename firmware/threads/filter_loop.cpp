@@ -9,8 +9,8 @@ FilterLoop::FilterLoop(Pipeline& pipeline, FilterStage& stage, const PipelinePar
     : pipeline_(pipeline),
       stage_(stage),
       budget_ns_(params.filter_budget_ns),
-      particles_min_(std::min(params.particles_min, stage.filter().params().particles)),
-      particles_(stage.filter().params().particles),
+      particles_min_(std::min(params.particles_min, stage.filter().params().low.particles)),
+      particles_(stage.filter().params().low.particles),
       tiles_(stage, map_refresh_s),
       timer_(params.filter_budget_ns) {}
 
@@ -67,7 +67,7 @@ void FilterLoop::adapt(std::int64_t used_ns) {
   constexpr double kGrowth = 1.05;  // at most, from one update to the next
   const double wanted =
       particles_ * std::min(kGrowth, kAim * static_cast<double>(budget_ns_) / static_cast<double>(used_ns));
-  particles_ = std::clamp<double>(wanted, particles_min_, stage_.filter().params().particles);
+  particles_ = std::clamp<double>(wanted, particles_min_, stage_.filter().params().low.particles);
   stage_.set_particles(static_cast<int>(particles_));
 }
 
@@ -76,7 +76,7 @@ void FilterLoop::publish(const FilterStep& step, const OdometryStep& motion) {
   PoseRecord record;
   record.stamp_ns = motion.to_stamp_ns;
   record.map_T_scan = step.map_T_scan;
-  record.map_T_odom = step.map_T_scan * motion.odom_T_scan.inverse();
+  record.map_T_odom = step.map_T_odom;
   Eigen::Map<Eigen::Matrix3d>(record.covariance.data()) = estimate.covariance;  // symmetric
   record.update_stamp_ns = step.update_stamp_ns;
   record.update_T_scan = step.update_T_scan;
@@ -98,7 +98,7 @@ void FilterLoop::report(const FilterStep& step) {
     report_.refused_tiles += step.report.refused_tiles;
     report_.outside_tiles += step.report.outside_tiles;
   }
-  report_.pool_used = static_cast<double>(stage_.filter().tiles_used()) / stage_.filter().params().grid.tiles_max;
+  report_.pool_used = stage_.filter().pool_used();
   report_.paused = stage_.paused();
   meter_.read(report_.stage);
   pipeline_.filter.report.write(report_);

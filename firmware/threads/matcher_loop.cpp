@@ -16,6 +16,7 @@ OdometryStep compose(const OdometryStep& first, const OdometryStep& second) {
   turn.topLeftCorner<2, 2>() << c, -s, s, c;
   sum.previous_T_current = first.previous_T_current * second.previous_T_current;
   sum.covariance = first.covariance + turn * second.covariance * turn.transpose();
+  sum.error = first.error.then(second.error);
   return sum;
 }
 

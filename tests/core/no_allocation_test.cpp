@@ -10,6 +10,7 @@
 #include "core/motion/scan_matching_motion_model.hpp"
 #include "core/odometry/laser_odometry.hpp"
 #include "core/slam/lslam.hpp"
+#include "core/slam/slam.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/simulated_room.hpp"
 #include "tests/support/simulated_scene.hpp"
@@ -151,6 +152,32 @@ TEST_F(NoAllocation, LslamUpdateAllocatesNothingEvenWithFullPools) {
     lslam.reset({});
     EXPECT_EQ(calls + guard.calls(), 0) << tiles_max;
     EXPECT_EQ(refused > 0, tiles_max < 20'000) << tiles_max;
+  }
+}
+
+TEST_F(NoAllocation, SlamWithBothLevelsAllocatesNothing) {
+  SlamParams params;
+  params.low.particles = 10;
+  params.high.particles = 10;
+  params.high.segment_updates = 5;
+  params.low.grid = {.resolution_m = 0.1, .width_m = 10.0, .height_m = 10.0, .tiles_max = 20'000};
+  for (const int tiles_max : {16, 20'000}) {
+    params.high.grid = params.low.grid;
+    params.high.grid.tiles_max = tiles_max;
+    Slam slam(params, {.beams_max = 60, .range_max_m = 20.0}, 1);
+    SimulatedRoom room(2);
+    long calls = 0;
+    for (int i = 0; i < 60; ++i) {
+      room.step();
+      const AllocationGuard guard;
+      static_cast<void>(slam.update(room.increment(), room.scan()));
+      slam.work();
+      static_cast<void>(slam.estimate());
+      static_cast<void>(slam.map_T_scan());
+      calls += guard.calls();
+    }
+    EXPECT_EQ(calls, 0) << tiles_max;
+    EXPECT_EQ(slam.high()->report().refused_tiles > 0, tiles_max == 16);
   }
 }
 

@@ -34,7 +34,7 @@ PlainParticles::PlainParticles(const LslamParams& params, std::uint64_t seed)
       model_(params.beam, params.grid.resolution_m),
       rng_(seed),
       wanted_particles_(static_cast<std::size_t>(params.particles)) {
-  particles_.push_back(Particle{{}, 0.0, PlainMap(grid_), {}});
+  particles_.push_back(Particle{{}, 0.0, PlainMap(grid_), {}, {}});
 }
 
 void PlainParticles::update(const MotionIncrement& increment, const ScanFrame& scan) {
@@ -42,9 +42,11 @@ void PlainParticles::update(const MotionIncrement& increment, const ScanFrame& s
   resampled_ = true;
   if (started_) {
     const double lambda_m = speed_.lambda_m(increment);
-    const AxisDeviations match{increment.sd_x_m, increment.sd_y_m, increment.sd_yaw_rad};
     for (Particle& particle : particles_) {
-      particle.map_T_scan = motion_.sample(particle.map_T_scan, increment.previous_T_current, lambda_m, match, rng_);
+      const Pose2 map_T_tracked = particle.map_T_scan * particle.error.pose().inverse();
+      particle.error.advance(increment.error, root_of(increment.error.noise), rng_);
+      particle.map_T_scan =
+          motion_.sample(map_T_tracked, increment.previous_T_current, lambda_m, rng_) * particle.error.pose();
     }
     speed_.add(increment);
     std::vector<Beam> beams;

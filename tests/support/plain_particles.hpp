@@ -35,6 +35,7 @@ class PlainParticles {
     double log_weight = 0.0;
     PlainMap map;
     std::vector<StampedPose> path;
+    DrawnError error{};
   };
 
   [[nodiscard]] std::vector<Particle>& particles() { return particles_; }

@@ -89,6 +89,7 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
     }
     progress(static_cast<std::int64_t>(i) + 1, static_cast<std::int64_t>(used.size()), step.match.fitness);
   }
+  filter.filter().finish();
   std::vector<StampedPose> path;
   filter.filter().write_path(path);
   result.trajectory = final_trajectory(path, steps, updates, result.online_trajectory);

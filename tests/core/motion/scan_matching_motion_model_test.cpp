@@ -36,13 +36,12 @@ struct Errors {
   std::vector<double> forward_m, left_m, yaw_rad;
 };
 
-Errors draw(const MotionModelParams& params, const Pose2& increment, double lambda_m,
-            const AxisDeviations& match = {}) {
+Errors draw(const MotionModelParams& params, const Pose2& increment, double lambda_m) {
   const ScanMatchingMotionModel model(params);
   Rng rng(5);
   Errors errors;
   for (int i = 0; i < kDraws; ++i) {
-    const Pose2 pose = model.sample(Pose2{}, increment, lambda_m, match, rng);
+    const Pose2 pose = model.sample(Pose2{}, increment, lambda_m, rng);
     errors.forward_m.push_back(pose.x_m - increment.x_m);
     errors.left_m.push_back(pose.y_m - increment.y_m);
     errors.yaw_rad.push_back(wrap_angle(pose.yaw_rad - increment.yaw_rad));
@@ -147,13 +146,6 @@ TEST(ScanMatchingMotionModel, DrawsTheSameForTheSameSeedAndMirrorsTheTablesAxes)
     EXPECT_NEAR(pose.y_m, expected.y_m, 1e-12);
     EXPECT_NEAR(pose.yaw_rad, expected.yaw_rad, 1e-12);
   }
-}
-
-TEST(ScanMatchingMotionModel, AddsTheVarianceOfTheMatch) {
-  const Errors errors = draw({}, Pose2{0.0, 0.0, 0.1}, 0.0, {.x_m = 0.3, .y_m = 0.0, .yaw_rad = 0.02});
-  EXPECT_NEAR(moments(errors.forward_m).sd, std::hypot(0.02 / 3.0, 0.3), 0.003);
-  EXPECT_NEAR(moments(errors.left_m).sd, 0.02 / 3.0, 1e-4);
-  EXPECT_NEAR(moments(errors.yaw_rad).sd, std::hypot((0.5 * kDegree_rad + 0.01) / 3.0, 0.02), 3e-4);
 }
 
 }  // namespace

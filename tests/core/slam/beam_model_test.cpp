@@ -66,6 +66,10 @@ double likelihood_by_formula(SmallMap& map, const BeamModelParams& params, const
                                            : std::max(way_in_cell_m / seen.hits(), params.rho_min_m);  // inf: free
     const double stops = 1.0 - std::exp(-(leave_m - way_m) / rho_m);
     const double sigmas = (range_m - 0.5 * (way_m + leave_m)) / params.sigma_m;
+    if (seen.is_unknown() && params.unknown_likelihood > 0.0 && leave_m > range_m - 3.0 * params.sigma_m) {
+      sum += reach * params.unknown_likelihood;
+      break;
+    }
     if (sigmas < 3.0) {
       sum += reach * stops * std::exp(-0.5 * sigmas * sigmas);
     }
@@ -75,8 +79,7 @@ double likelihood_by_formula(SmallMap& map, const BeamModelParams& params, const
   return params.floor + (1.0 - params.floor) * sum;
 }
 
-TEST(BeamModel, GivesThePublishedLikelihood) {
-  const BeamModelParams params{.sigma_m = 0.08, .floor = 0.05, .unknown_rho_m = 1.0, .rho_min_m = 0.02};
+void expect_the_formula(const BeamModelParams& params) {
   const BeamModel model(params, kResolution_m);
   Rng rng(4);
   for (int i = 0; i < 100; ++i) {
@@ -90,6 +93,16 @@ TEST(BeamModel, GivesThePublishedLikelihood) {
     // 0.0025: what lies behind a wall that fewer beams pass is left out; a cell at the border of 3 sigma adds 0.011.
     EXPECT_NEAR(model.likelihood(map, walk, static_cast<float>(range_cells)), expected, 0.014) << i;
   }
+}
+
+TEST(BeamModel, GivesThePublishedLikelihood) {
+  expect_the_formula(
+      {.sigma_m = 0.08, .floor = 0.05, .unknown_rho_m = 1.0, .unknown_likelihood = 0.0, .rho_min_m = 0.02});
+}
+
+TEST(BeamModel, TakesABeamThatEndsInTheUnseenForUsual) {
+  expect_the_formula(
+      {.sigma_m = 0.08, .floor = 0.05, .unknown_rho_m = 1.0, .unknown_likelihood = 0.6, .rho_min_m = 0.02});
 }
 
 TEST(BeamModel, PrefersTheRangeAtWhichTheMapHasAWall) {

@@ -1,0 +1,105 @@
+#include "core/slam/slam.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/simulated_room.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr ScanParams kScan{.beams_max = 120, .range_max_m = 20.0};
+
+SlamParams small_slam(int high_particles) {
+  SlamParams params;
+  params.low.particles = 20;
+  params.low.grid = {.resolution_m = 0.1, .width_m = 8.0, .height_m = 8.0, .tiles_max = 8000};
+  params.high.particles = high_particles;
+  params.high.segment_updates = 6;
+  params.high.grid = params.low.grid;
+  return params;
+}
+
+::testing::AssertionResult same_pose(const Pose2& a, const Pose2& b) {
+  const bool same = a.x_m == b.x_m && a.y_m == b.y_m && a.yaw_rad == b.yaw_rad;
+  return same ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << a.x_m << " is not " << b.x_m;
+}
+
+TEST(Slam, IsTheLowLevelAloneWhereTheHighOneIsOff) {
+  Slam slam(small_slam(0), kScan, 5);
+  Lslam low(small_slam(0).low, 5);
+  SimulatedRoom room(4, 120);
+  for (int i = 0; i < 30; ++i) {
+    room.step();
+    static_cast<void>(slam.update(room.increment(), room.scan()));
+    static_cast<void>(low.update(room.increment(), room.scan()));
+    slam.work();
+    ASSERT_TRUE(same_pose(slam.map_T_scan(), low.pose(low.best())));
+  }
+  slam.finish();
+  std::vector<StampedPose> path;
+  slam.write_path(path);
+  EXPECT_EQ(path.size(), 30U);
+  EXPECT_EQ(slam.high(), nullptr);
+}
+
+TEST(Slam, WithBothLevelsHasAPosePerUpdateAndStaysOnTrack) {
+  Slam slam(small_slam(20), kScan, 5);
+  SimulatedRoom room(4, 120);
+  std::vector<Pose2> truth;
+  for (int i = 0; i < 100; ++i) {
+    room.step();
+    truth.push_back(room.map_T_scan());
+    static_cast<void>(slam.update(room.increment(), room.scan()));
+    slam.work();
+    ASSERT_LT(slam.map_T_scan().distance_m(room.map_T_scan()), 0.25) << i;
+    const PoseEstimate estimate = slam.estimate();
+    ASSERT_LT(estimate.map_T_scan.distance_m(slam.map_T_scan()), 0.2) << i;
+  }
+  EXPECT_GT(slam.high()->report().segments, 14);
+  slam.finish();
+  std::vector<StampedPose> path;
+  slam.write_path(path);
+  ASSERT_EQ(path.size(), truth.size());
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    EXPECT_LT(path[i].map_T_scan.distance_m(truth[i]), 0.25) << i;
+  }
+  EXPECT_GT(slam.pool_used(), 0.0);
+  OccupancyMap map;
+  slam.write_occupancy(map);
+  EXPECT_FALSE(map.occupancy_percent.empty());
+}
+
+TEST(Slam, SegmentsAreDoneBeforeTheNextEndsIfWorkIsCalledOncePerUpdate) {
+  Slam slam(small_slam(20), kScan, 5);
+  SimulatedRoom room(4, 120);
+  for (int i = 1; i <= 60; ++i) {
+    room.step();
+    static_cast<void>(slam.update(room.increment(), room.scan()));
+    slam.work();
+    EXPECT_GE(slam.high()->report().segments, i / 6 - 1) << i;
+    EXPECT_TRUE(i % 6 != 5 || slam.high()->idle()) << i;
+  }
+}
+
+TEST(Slam, IsPutWhereTheUserSays) {
+  for (const int high : {0, 10}) {
+    Slam slam(small_slam(high), kScan, 5);
+    SimulatedRoom room(4, 120);
+    for (int i = 0; i < 20; ++i) {
+      room.step();
+      static_cast<void>(slam.update(room.increment(), room.scan()));
+      slam.work();
+    }
+    const Pose2 put{1.0, 0.5, -2.0};
+    slam.set_pose(put);
+    EXPECT_LT(slam.map_T_scan().distance_m(put), 1e-9) << high;
+    EXPECT_NEAR(wrap_angle(slam.map_T_scan().yaw_rad - put.yaw_rad), 0.0, 1e-9) << high;
+    slam.reset({});
+    EXPECT_TRUE(same_pose(slam.map_T_scan(), Pose2{})) << high;
+  }
+}
+
+}  // namespace
+}  // namespace odoless
