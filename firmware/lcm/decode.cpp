@@ -46,6 +46,12 @@ bool is_sane_geometry(float start_angle_rad, float angle_step_rad, std::int32_t 
          std::abs(static_cast<double>(angle_step_rad)) * std::max(0, beams - 1) <= kSweepMaxRad;
 }
 
+// Products of small numbers may well be denormal here.
+bool is_sane_error(const std::array<double, 25>& matrix) {
+  constexpr double kMax = 1e6;
+  return std::all_of(matrix.begin(), matrix.end(), [](double value) { return std::abs(value) <= kMax; });
+}
+
 Pose2 read_pose(WireReader& reader) {
   const double x_m = reader.real64();
   const double y_m = reader.real64();
@@ -55,6 +61,7 @@ Pose2 read_pose(WireReader& reader) {
 bool is_sane_motion(const MotionRecord& motion) {
   return motion.from_stamp_ns <= motion.to_stamp_ns && is_sane_pose(motion.odom_T_scan) &&
          is_sane_pose(motion.previous_T_current) && is_sane_covariance(motion.covariance) &&
+         is_sane_error(motion.error_carried) && is_sane_error(motion.error_noise) &&
          is_sane(motion.information_1_m2[0]) && is_sane(motion.information_1_m2[1]) && is_sane_share(motion.fitness) &&
          is_sane_share(motion.second_peak_ratio) && motion.evaluations >= 0;
 }
@@ -110,6 +117,8 @@ Result<MotionRecord> decode_motion(std::span<const std::byte> message) {
   motion.odom_T_scan = read_pose(reader);
   motion.previous_T_current = read_pose(reader);
   reader.reals(motion.covariance);
+  reader.reals(motion.error_carried);
+  reader.reals(motion.error_noise);
   reader.reals(motion.information_1_m2);
   motion.fitness = reader.real64();
   motion.second_peak_ratio = reader.real64();

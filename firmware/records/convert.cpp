@@ -6,6 +6,7 @@ namespace odoless {
 namespace {
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+using RowMajor5 = Eigen::Matrix<double, MotionError::kSize, MotionError::kSize, Eigen::RowMajor>;
 
 }  // namespace
 
@@ -20,6 +21,8 @@ MotionRecord to_record(const OdometryStep& step) {
   record.previous_T_current = step.previous_T_current;
   record.odom_T_scan = step.odom_T_scan;
   Eigen::Map<RowMajor3>(record.covariance.data()) = step.covariance;
+  Eigen::Map<RowMajor5>(record.error_carried.data()) = step.error.carried;
+  Eigen::Map<RowMajor5>(record.error_noise.data()) = step.error.noise;
   record.information_1_m2 = {step.match.strong_information_1_m2, step.match.weak_information_1_m2};
   record.fitness = step.match.fitness;
   record.second_peak_ratio = second_peak_ratio(step.match);
@@ -37,6 +40,8 @@ OdometryStep to_step(const MotionRecord& record) {
   step.previous_T_current = record.previous_T_current;
   step.odom_T_scan = record.odom_T_scan;
   step.covariance = Eigen::Map<const RowMajor3>(record.covariance.data());
+  step.error.carried = Eigen::Map<const RowMajor5>(record.error_carried.data());
+  step.error.noise = Eigen::Map<const RowMajor5>(record.error_noise.data());
   step.matched = (record.flags & kMatched) != 0;
   step.match.fitness = record.fitness;
   step.match.converged = (record.flags & kConverged) != 0;

@@ -9,7 +9,7 @@
 namespace odoless {
 namespace {
 
-// The motion's covariance in the axes of the scan that it ends at: all that a record tells of its error.
+// The motion's covariance in the axes of the scan that it ends at: all that is known of the error over a gap.
 Eigen::Matrix3d in_current_axes(const OdometryStep& step) {
   const double c = std::cos(step.previous_T_current.yaw_rad);
   const double s = std::sin(step.previous_T_current.yaw_rad);
@@ -51,8 +51,8 @@ OdometryStep FilterIntake::step_of(const MotionRecord& motion) const {
     step.from_stamp_ns = last_stamp_ns_;
     step.previous_T_current = odom_T_last_.inverse() * motion.odom_T_scan;
     step.covariance *= own_s > 0.0 ? whole_s / own_s : 1.0;
+    step.error = MotionError::independent(in_current_axes(step));
   }
-  step.error = MotionError::independent(in_current_axes(step));
   return step;
 }
 

@@ -114,6 +114,12 @@ TEST(DecodeMotion, RefusesWhatNoRobotDoes) {
   EXPECT_EQ(error_of([](auto& m) { m.reference_utime = m.utime + 1; }), Errc::kBadNumber);
   EXPECT_EQ(error_of([](auto& m) { m.covariance[4] = -1e-9; }), Errc::kBadNumber);
   EXPECT_EQ(error_of([](auto& m) { m.evaluations = -1; }), Errc::kBadNumber);
+  for (std::size_t i = 0; i < 25; ++i) {
+    for (const double bad : {kNan, kInfinity, -kInfinity, 1e7}) {
+      EXPECT_EQ(error_of([=](auto& m) { m.error_carried[i] = bad; }), Errc::kBadNumber) << i;
+      EXPECT_EQ(error_of([=](auto& m) { m.error_noise[i] = bad; }), Errc::kBadNumber) << i;
+    }
+  }
   EXPECT_EQ(error_of([](auto& m) { m.fitness = -0.1; }), Errc::kBadNumber);
   EXPECT_EQ(error_of([](auto& m) { m.pose[0] = 1e7; }), Errc::kBadNumber);
   EXPECT_EQ(error_of([](auto& m) { m.step[2] = 13.0; }), Errc::kBadNumber);

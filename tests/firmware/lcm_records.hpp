@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -56,12 +57,22 @@ inline std::vector<float> example_ranges_m(int beams) {
   return ranges_m;
 }
 
+inline std::array<double, 25> example_matrix(double first) {
+  std::array<double, 25> matrix{};
+  for (std::size_t i = 0; i < matrix.size(); ++i) {
+    matrix[i] = first * static_cast<double>(i + 1);
+  }
+  return matrix;
+}
+
 inline MotionRecord example_motion() {
   return {.from_stamp_ns = 1'700'000'000'098'456'000,
           .to_stamp_ns = 1'700'000'000'123'456'000,
           .previous_T_current = {0.025, -0.001, 0.01},
           .odom_T_scan = {12.5, -3.25, 2.0},
           .covariance = {1e-6, 1e-8, -1e-9, 1e-8, 2e-6, 0.0, -1e-9, 0.0, 3e-7},
+          .error_carried = example_matrix(0.125),
+          .error_noise = example_matrix(1e-7),
           .information_1_m2 = {120.0, -0.01},
           .fitness = 0.8,
           .second_peak_ratio = 0.4,

@@ -24,7 +24,7 @@ class ServoTerminal final : public ServoLine {
  public:
   explicit ServoTerminal(const std::filesystem::path& link) : terminal_(link) {}
 
-  [[nodiscard]] int descriptor() const override { return terminal_.has_client() ? terminal_.descriptor() : -1; }
+  [[nodiscard]] int descriptor() override { return terminal_.has_client() ? terminal_.descriptor() : -1; }
 
   [[nodiscard]] std::vector<ServoFrame> read() override {
     const std::string bytes = terminal_.has_client() ? terminal_.read() : std::string();
@@ -54,7 +54,7 @@ class ServoCan final : public ServoLine {
     }
   }
 
-  [[nodiscard]] int descriptor() const override { return socket_.get(); }
+  [[nodiscard]] int descriptor() override { return socket_.get(); }
 
   [[nodiscard]] std::vector<ServoFrame> read() override {
     std::vector<ServoFrame> frames;

@@ -22,7 +22,7 @@ class ServoLine {
   virtual ~ServoLine() = default;
 
   /// To be waited for; -1: nobody is there.
-  [[nodiscard]] virtual int descriptor() const = 0;
+  [[nodiscard]] virtual int descriptor() = 0;
   /// What has come, in order.
   [[nodiscard]] virtual std::vector<ServoFrame> read() = 0;
   /// Writes at once, or drops it.
