@@ -61,7 +61,7 @@ Pose2 read_pose(WireReader& reader) {
 bool is_sane_motion(const MotionRecord& motion) {
   return motion.from_stamp_ns <= motion.to_stamp_ns && is_sane_pose(motion.odom_T_scan) &&
          is_sane_pose(motion.previous_T_current) && is_sane_covariance(motion.covariance) &&
-         is_sane_error(motion.error_carried) && is_sane_error(motion.error_noise) &&
+         is_sane_error(motion.error_carried) && is_sane_error(motion.error_added) &&
          is_sane(motion.information_1_m2[0]) && is_sane(motion.information_1_m2[1]) && is_sane_share(motion.fitness) &&
          is_sane_share(motion.second_peak_ratio) && motion.evaluations >= 0;
 }
@@ -118,7 +118,7 @@ Result<MotionRecord> decode_motion(std::span<const std::byte> message) {
   motion.previous_T_current = read_pose(reader);
   reader.reals(motion.covariance);
   reader.reals(motion.error_carried);
-  reader.reals(motion.error_noise);
+  reader.reals(motion.error_added);
   reader.reals(motion.information_1_m2);
   motion.fitness = reader.real64();
   motion.second_peak_ratio = reader.real64();

@@ -95,7 +95,7 @@ void to_message(const MotionRecord& motion, pose_covariance_t& message) {
   to_array(motion.previous_T_current, message.step);
   std::copy(motion.covariance.begin(), motion.covariance.end(), std::begin(message.covariance));
   std::copy(motion.error_carried.begin(), motion.error_carried.end(), std::begin(message.error_carried));
-  std::copy(motion.error_noise.begin(), motion.error_noise.end(), std::begin(message.error_noise));
+  std::copy(motion.error_added.begin(), motion.error_added.end(), std::begin(message.error_added));
   std::copy(motion.information_1_m2.begin(), motion.information_1_m2.end(), std::begin(message.information));
   message.fitness = motion.fitness;
   message.second_peak_ratio = motion.second_peak_ratio;
@@ -113,7 +113,7 @@ void to_message(const PoseRecord& pose, pose_covariance_t& message) {
   to_array(pose.update_T_scan, message.step);
   std::copy(pose.covariance.begin(), pose.covariance.end(), std::begin(message.covariance));
   std::fill(std::begin(message.error_carried), std::end(message.error_carried), 0.0);
-  std::fill(std::begin(message.error_noise), std::end(message.error_noise), 0.0);
+  std::fill(std::begin(message.error_added), std::end(message.error_added), 0.0);
   std::fill(std::begin(message.information), std::end(message.information), 0.0);
   message.fitness = pose.log_likelihood_per_beam;
   message.second_peak_ratio = 0.0;

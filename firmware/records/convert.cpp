@@ -22,7 +22,7 @@ MotionRecord to_record(const OdometryStep& step) {
   record.odom_T_scan = step.odom_T_scan;
   Eigen::Map<RowMajor3>(record.covariance.data()) = step.covariance;
   Eigen::Map<RowMajor5>(record.error_carried.data()) = step.error.carried;
-  Eigen::Map<RowMajor5>(record.error_noise.data()) = step.error.noise;
+  Eigen::Map<RowMajor5>(record.error_added.data()) = step.error.noise;
   record.information_1_m2 = {step.match.strong_information_1_m2, step.match.weak_information_1_m2};
   record.fitness = step.match.fitness;
   record.second_peak_ratio = second_peak_ratio(step.match);
@@ -41,7 +41,7 @@ OdometryStep to_step(const MotionRecord& record) {
   step.odom_T_scan = record.odom_T_scan;
   step.covariance = Eigen::Map<const RowMajor3>(record.covariance.data());
   step.error.carried = Eigen::Map<const RowMajor5>(record.error_carried.data());
-  step.error.noise = Eigen::Map<const RowMajor5>(record.error_noise.data());
+  step.error.noise = Eigen::Map<const RowMajor5>(record.error_added.data());
   step.matched = (record.flags & kMatched) != 0;
   step.match.fitness = record.fitness;
   step.match.converged = (record.flags & kConverged) != 0;

@@ -39,7 +39,7 @@ struct MotionRecord {
   Pose2 odom_T_scan{};                     ///< sum of all motions; a reader that missed some composes with it
   std::array<double, 9> covariance{};      ///< of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes
   std::array<double, 25> error_carried{};  ///< of MotionError, row by row
-  std::array<double, 25> error_noise{};
+  std::array<double, 25> error_added{};
   std::array<double, 2> information_1_m2{};  ///< strongest and weakest direction's curvature of the fitness
   double fitness = 0.0;
   double second_peak_ratio = 0.0;  ///< 0: none

@@ -117,7 +117,7 @@ TEST(DecodeMotion, RefusesWhatNoRobotDoes) {
   for (std::size_t i = 0; i < 25; ++i) {
     for (const double bad : {kNan, kInfinity, -kInfinity, 1e7}) {
       EXPECT_EQ(error_of([=](auto& m) { m.error_carried[i] = bad; }), Errc::kBadNumber) << i;
-      EXPECT_EQ(error_of([=](auto& m) { m.error_noise[i] = bad; }), Errc::kBadNumber) << i;
+      EXPECT_EQ(error_of([=](auto& m) { m.error_added[i] = bad; }), Errc::kBadNumber) << i;
     }
   }
   EXPECT_EQ(error_of([](auto& m) { m.fitness = -0.1; }), Errc::kBadNumber);

@@ -72,7 +72,7 @@ inline MotionRecord example_motion() {
           .odom_T_scan = {12.5, -3.25, 2.0},
           .covariance = {1e-6, 1e-8, -1e-9, 1e-8, 2e-6, 0.0, -1e-9, 0.0, 3e-7},
           .error_carried = example_matrix(0.125),
-          .error_noise = example_matrix(1e-7),
+          .error_added = example_matrix(1e-7),
           .information_1_m2 = {120.0, -0.01},
           .fitness = 0.8,
           .second_peak_ratio = 0.4,
