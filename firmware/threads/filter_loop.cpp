@@ -12,7 +12,13 @@ FilterLoop::FilterLoop(Pipeline& pipeline, FilterStage& stage, const PipelinePar
       particles_min_(std::min(params.particles_min, stage.filter().params().low.particles)),
       particles_(stage.filter().params().low.particles),
       tiles_(stage, map_refresh_s),
-      timer_(params.filter_budget_ns) {}
+      timer_(params.filter_budget_ns) {
+  constexpr double kAtFirst = 0.25;  // of them: what an update costs here is not known yet
+  if (!pipeline.lossless) {
+    particles_ = std::max<double>(particles_min_, kAtFirst * particles_);
+    stage_.set_particles(static_cast<int>(particles_));
+  }
+}
 
 void FilterLoop::run(const std::atomic<bool>& before) {
   for (bool last_round = false; !last_round;) {
