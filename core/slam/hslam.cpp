@@ -132,7 +132,7 @@ double Hslam::log_likelihood_of(int particle, const Motion& motion) {
   double sum = 0.0;
   for (std::size_t i = 0; i < scans_weighed_.size(); ++i) {
     const Pose2 map_T_scan =
-        particles_.pose(particle) * segment_->start_T_scan(motion.path, scans_weighed_[i], motion.drift);
+        particles_.pose(particle) * segment_->scan_pose(motion.path, scans_weighed_[i], motion.drift);
     sum += log_likelihood(model_, BeamCaster(geometry, map_T_scan), view, beams_[i], cells_per_m);
   }
   return sum;
@@ -168,7 +168,7 @@ void Hslam::map(int particle) {
   const Pose2 map_T_start = pose;
   AncestryGrid::Writer writer = particles_.grid().writer(particle);
   for (int i = 0; i < segment_->size(); ++i) {
-    pose = map_T_start * segment_->start_T_scan(motion.path, i, motion.drift);
+    pose = map_T_start * segment_->scan_pose(motion.path, i, motion.drift);
     const ScanFrame& scan = segment_->scan(i);
     integrate_scan(model_, BeamCaster(particles_.grid().geometry(), pose), writer, scan, params_.free_no_return_m);
     particles_.paths().append(particle, {.stamp_ns = scan.stamp_ns(), .map_T_scan = pose});

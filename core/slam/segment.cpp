@@ -55,13 +55,14 @@ void Segment::close(const Lslam& low) {
     ODOLESS_CHECK(found >= size_);
     const Pose2 start_T_map = last_[0].map_T_scan.inverse();
     for (int i = 0; i < size_; ++i) {
-      const auto index = static_cast<std::size_t>(found - size_ + i);
-      start_T_scans_[p * scans_.size() + static_cast<std::size_t>(i)] = start_T_map * last_[index].map_T_scan;
+      const int index = found - size_ + i;
+      start_T_scans_[p * scans_.size() + static_cast<std::size_t>(i)] =
+          start_T_map * last_[static_cast<std::size_t>(index)].map_T_scan;
     }
   }
 }
 
-Pose2 Segment::start_T_scan(int path, int index, const Eigen::Vector3d& drift) const {
+Pose2 Segment::scan_pose(int path, int index, const Eigen::Vector3d& drift) const {
   const Pose2& pose = start_T_scans_[static_cast<std::size_t>(path) * scans_.size() + static_cast<std::size_t>(index)];
   const double share = static_cast<double>(index + 1) / size_;
   return {pose.x_m + share * drift.x(), pose.y_m + share * drift.y(), wrap_angle(pose.yaw_rad + share * drift.z())};

@@ -36,7 +36,7 @@ class Segment {
   [[nodiscard]] double path_weight(int path) const { return path_weights_[static_cast<std::size_t>(path)]; }
   /// Pose of a scan on a path whose end is off by `drift` over (x_m, y_m, yaw_rad) in the start's axes; the drift grows
   /// evenly from scan to scan.
-  [[nodiscard]] Pose2 start_T_scan(int path, int index, const Eigen::Vector3d& drift) const;
+  [[nodiscard]] Pose2 scan_pose(int path, int index, const Eigen::Vector3d& drift) const;
   /// Covariance of the drift of the end.
   [[nodiscard]] const Eigen::Matrix3d& drift_covariance() const { return covariance_; }
 

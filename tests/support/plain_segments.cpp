@@ -78,7 +78,7 @@ void PlainSegments::move_and_weigh(Particle& particle, const Segment& segment, c
       const int scan = (i + 1) * segment.size() / count - 1;
       std::vector<Beam> beams;
       select_beams(segment.scan(scan), params_.beams_used, false, beams);
-      const Pose2 map_T_scan = particle.map_T_scan * segment.start_T_scan(particle.segment_path, scan, drift);
+      const Pose2 map_T_scan = particle.map_T_scan * segment.scan_pose(particle.segment_path, scan, drift);
       sum += log_likelihood(model_, BeamCaster(grid_, map_T_scan), particle.map, beams, 1.0 / grid_.resolution_m);
     }
     return params_.tempering * sum - 0.5 * z.squaredNorm();
@@ -91,7 +91,7 @@ void PlainSegments::move_and_weigh(Particle& particle, const Segment& segment, c
 void PlainSegments::map(Particle& particle, const Segment& segment) const {
   const Pose2 map_T_start = particle.map_T_scan;
   for (int i = 0; i < segment.size(); ++i) {
-    particle.map_T_scan = map_T_start * segment.start_T_scan(particle.segment_path, i, particle.drift);
+    particle.map_T_scan = map_T_start * segment.scan_pose(particle.segment_path, i, particle.drift);
     const ScanFrame& scan = segment.scan(i);
     integrate_scan(model_, BeamCaster(grid_, particle.map_T_scan), particle.map, scan, params_.free_no_return_m);
     particle.path.push_back({.stamp_ns = scan.stamp_ns(), .map_T_scan = particle.map_T_scan});

@@ -72,9 +72,9 @@ TEST(Segment, HoldsThePathsOfTheLowLevelAndItsDriftGrowsEvenly) {
     ASSERT_EQ(run.low().copy_last_poses(path, last), 6);
     for (int i = 0; i < segment.size(); ++i) {
       const Pose2 expected = last[0].map_T_scan.inverse() * last[static_cast<std::size_t>(i) + 1].map_T_scan;
-      const Pose2 plain = segment.start_T_scan(path, i, Eigen::Vector3d::Zero());
+      const Pose2 plain = segment.scan_pose(path, i, Eigen::Vector3d::Zero());
       EXPECT_LT(plain.distance_m(expected), 1e-12);
-      const Pose2 drifted = segment.start_T_scan(path, i, drift);
+      const Pose2 drifted = segment.scan_pose(path, i, drift);
       EXPECT_NEAR(drifted.x_m - plain.x_m, 0.1 * (i + 1) / 5.0, 1e-12);
       EXPECT_NEAR(drifted.yaw_rad - plain.yaw_rad, 0.05 * (i + 1) / 5.0, 1e-12);
     }
