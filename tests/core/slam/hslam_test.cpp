@@ -134,6 +134,7 @@ TEST(Hslam, IsTheSameHoweverItIsSliced) {
     int slices = 0;
     for (bool done = false; !done; slices += 1 + i % 5) {
       done = sliced.work(1 + i % 5);
+      ASSERT_LE(slices, whole.slices());
     }
     EXPECT_TRUE(whole.idle() && sliced.idle());
     ASSERT_TRUE(same_pose(whole.best_pose(), sliced.best_pose())) << i;
