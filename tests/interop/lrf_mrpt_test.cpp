@@ -56,8 +56,18 @@ class Emulator {
   pid_t process_ = -1;
 };
 
-/// Some clients have it private.
-void initialize(mrpt::hwdrivers::CGenericSensor& client) { client.initialize(); }
+/// As their users do: again where a busy machine was too slow for the client's patience. (Some clients have it
+/// private.)
+void initialize(mrpt::hwdrivers::CGenericSensor& client) {
+  constexpr int kTries = 5;
+  for (int i = 1; i < kTries; ++i) {
+    try {
+      return client.initialize();
+    } catch (const std::exception&) {
+    }
+  }
+  client.initialize();
+}
 
 /// The scan that a client has after a while, or none.
 template <class Client>
