@@ -9,7 +9,7 @@ namespace odoless {
 void LatencyHistogram::record(std::int64_t latency_ns) {
   ++buckets_[bucket_of(latency_ns)];
   ++count_;
-  sum_ns_ += latency_ns;
+  sum_ns_ += std::clamp<std::int64_t>(latency_ns, 0, kEnd_ns);
   max_ns_ = std::max(max_ns_, latency_ns);
 }
 

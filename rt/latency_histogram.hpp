@@ -29,7 +29,7 @@ class LatencyHistogram {
 
   [[nodiscard]] std::uint64_t count() const { return count_; }
 
-  /// 0 if there is none.
+  /// 0 if there is none; what is longer than 137 s counts as that.
   [[nodiscard]] std::int64_t mean() const { return count_ == 0 ? 0 : sum_ns_ / static_cast<std::int64_t>(count_); }
 
   /// The buckets in ascending order: how many durations each has, and where it ends.
