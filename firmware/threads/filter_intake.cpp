@@ -46,8 +46,8 @@ OdometryStep FilterIntake::step_of(const MotionRecord& motion) const {
   OdometryStep step = to_step(motion);
   if (started_ && motion.from_stamp_ns != last_stamp_ns_) {
     // Of the motions in between only the sum is known; their deviations are taken to be like this one's.
-    const double whole_s = static_cast<double>(motion.to_stamp_ns - last_stamp_ns_);
-    const double own_s = static_cast<double>(motion.to_stamp_ns - motion.from_stamp_ns);
+    const auto whole_s = static_cast<double>(motion.to_stamp_ns - last_stamp_ns_);
+    const auto own_s = static_cast<double>(motion.to_stamp_ns - motion.from_stamp_ns);
     step.from_stamp_ns = last_stamp_ns_;
     step.previous_T_current = odom_T_last_.inverse() * motion.odom_T_scan;
     step.covariance *= own_s > 0.0 ? whole_s / own_s : 1.0;
