@@ -76,7 +76,7 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
   meter.note("matcher: local map, rasters, population");
   const auto filter = std::make_unique<FilterStage>(params.robot, 1);
   meter.note("filter: particles and their maps");
-  const auto publisher = std::make_unique<Publisher>(PublisherParams{params.lcm, params.recorder, params.health},
+  const auto publisher = std::make_unique<Publisher>(PublisherParams{params.lcm, params.recorder, params.health, {}},
                                                      filter->geometry(), *pipeline, "");
   meter.note("publisher: the map as published, messages");
   std::vector<MemoryShare> shares = meter.take();

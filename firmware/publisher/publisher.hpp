@@ -20,6 +20,7 @@ struct PublisherParams {
   LcmParams lcm;
   LogWriterParams recorder;
   HealthParams health;
+  LrfDriver laser = LrfDriver::kLcm;
 };
 
 /// The ordinary thread behind the real-time ones: takes what they say, publishes and records it, keeps map and poses,

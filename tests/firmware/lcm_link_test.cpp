@@ -64,6 +64,17 @@ TEST_F(LcmLinkTap, TellsReceivedBytesFromSentOnes) {
   EXPECT_THAT(tap_.last<bot_core::raw_t>("ODOLESS_LRF_RAW_TX").data, ::testing::ElementsAre(0, 255, '\n'));
 }
 
+TEST_F(LcmLinkTap, TellsTheLasersBytesFromTheServos) {
+  const std::vector<std::byte> bytes{std::byte{1}};
+  for (const std::int32_t to_device : {0, 1}) {
+    ASSERT_EQ(
+        link_.publish(RawBytesRecord{.stamp_ns = 7000, .size_bytes = 1, .to_device = to_device, .line = RawLine::kTilt},
+                      bytes),
+        Errc::kOk);
+    EXPECT_EQ(tap_.kept.back().channel, to_device == 0 ? "ODOLESS_TILT_RAW_RX" : "ODOLESS_TILT_RAW_TX");
+  }
+}
+
 TEST_F(LcmLinkTap, SendsAPoseThreeTimes) {
   ASSERT_EQ(link_.publish(test::example_pose()), Errc::kOk);
   const auto pose = tap_.last<bot_core::pose_t>("ODOLESS_POSE");
@@ -266,8 +277,8 @@ TEST(LcmLink, SendsOneOfEachToWhoeverListens) {
   params.raw_bytes = true;
   const Channels c;
   const std::vector<std::string> all{
-      c.tilt,        c.scan,     c.lrf_raw_rx, c.lrf_raw_tx, c.motion,     c.pose,       c.pose_covariance,
-      c.map_to_odom, c.map_tile, c.map,        c.health,     c.lrf_status, c.scan_points};
+      c.tilt,     c.scan, c.lrf_raw_rx, c.lrf_raw_tx, c.motion,      c.pose,        c.pose_covariance, c.map_to_odom,
+      c.map_tile, c.map,  c.health,     c.lrf_status, c.scan_points, c.tilt_raw_rx, c.tilt_raw_tx};
   LcmReceiver receiver(params, all);
   ASSERT_EQ(receiver.open(), Errc::kOk) << receiver.reason();
   LcmLink link(params, kMapCellsMax);

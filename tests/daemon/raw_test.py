@@ -1,0 +1,99 @@
+"""Recorded bytes of a whole robot, played into the unmodified daemon through the devices' lines.
+
+    raw_test.py FOLDER_OF_PROGRAMS ROOT_OF_SOURCES
+"""
+
+import math
+import os
+import signal
+import struct
+import subprocess
+import sys
+import unittest
+
+from support import SOURCES, WORLD, DaemonCase
+
+sys.path.append(os.path.join(SOURCES, "tests", "support"))
+from lcm_log import messages  # noqa: E402
+
+RUN_S = 6
+SERVO_DATA_MIN = 30
+
+
+def scans(path):
+    """(stamp in s, ranges' bytes) of each scan, after the type's fingerprint."""
+    return [(struct.unpack(">q", data[8:16])[0] * 1e-6, data[16:]) for channel, data in messages(path)
+            if channel == "ODOLESS_SCAN"]
+
+
+def poses(path):
+    with open(path, encoding="utf-8") as file:
+        rows = [list(map(float, line.split())) for line in file if not line.startswith("#")]
+    return {round(row[0] * 1e6): (row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows}
+
+
+class RawTest(DaemonCase):
+    def run_daemon(self, name, robot, seconds=None):
+        """Until the robot ends, or for that time. Its recorder's log and its trajectory."""
+        self.use_servo(f'[recorder]\npath = "{self.path(name)}"\n')
+        daemon = self.start("odolessd", "--config", self.config, "--out", self.path(name))
+        try:
+            robot.wait(timeout=seconds or 30)
+        except subprocess.TimeoutExpired:
+            self.assertIsNotNone(seconds, "the record did not come to its end")
+        self.assertIsNone(daemon.poll(), "the daemon ended by itself")
+        daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+        return self.path(name + ".00000.lcm"), poses(self.path(name + "/trajectory_online.tum"))
+
+    def lines(self):
+        return "--pty", self.path("laser"), "--servo-pty", self.path("servo")
+
+    def start_robot(self, *more):
+        robot = self.start("odoless", "emulate", "robot", *more, *self.lines(), stdout=subprocess.PIPE)
+        self.wait_until(lambda: os.path.lexists(self.path("laser")) and os.path.lexists(self.path("servo")), 10)
+        return robot
+
+    def test_a_recorded_robot_gives_the_same_scans_and_the_same_trajectory_again(self):
+        robot = self.start_robot("--from", WORLD)
+        log, path = self.run_daemon("first", robot, RUN_S)
+        robot.send_signal(signal.SIGTERM)
+        robot.wait(timeout=5)
+        robot = self.start_robot("--from-raw", log, "--stop-at-end")
+        log_again, path_again = self.run_daemon("second", robot)
+        said = robot.stdout.read()
+        self.assertIn("laser: ", said)
+
+        first, second = scans(log), scans(log_again)
+        self.assertGreater(len(first), 100)
+        count = min(len(first), len(second))
+        self.assertLessEqual(abs(len(first) - len(second)), 2, "a scan may be cut at the end of the record")
+        for i in range(count):  # bit for bit: they are the device's own
+            self.assertEqual(first[i][1], second[i][1], f"ranges of scan {i}")
+        # The stamps come from the arrival of bytes, which the kernel's scheduling moves about.
+        shift_s = max(abs((second[i][0] - second[0][0]) - (first[i][0] - first[0][0])) for i in range(count))
+        # Poses hang on the time that the filter's updates take, for its particles follow it: not to the bit.
+        apart = [(path[a], path_again[b]) for a, b in ((round(first[i][0] * 1e6), round(second[i][0] * 1e6))
+                                                       for i in range(count)) if a in path and b in path_again]
+        self.assertGreater(len(apart), 0.8 * count)
+        apart_m = max(math.hypot(p[0] - q[0], p[1] - q[1]) for p, q in apart)
+        apart_deg = max(abs(math.degrees(math.remainder(p[2] - q[2], 2.0 * math.pi))) for p, q in apart)
+        moved_m = math.hypot(*(path[max(path)][i] - path[min(path)][i] for i in (0, 1)))
+        print(f"raw replay: {count} scans equal to the bit, stamps within {shift_s * 1e3:.2f} ms, {len(apart)} poses "
+              f"within {apart_m:.3f} m and {apart_deg:.2f} deg after {moved_m:.1f} m; {said.strip()}")
+        self.assertLess(shift_s, 0.025)
+        self.assertLess(apart_m, 0.05)
+        self.assertLess(apart_deg, 1.0)
+        self.assertGreater(moved_m, 1.0)
+        self.assertGreater(sum(channel == "ODOLESS_TILT" for channel, _ in messages(log_again)), SERVO_DATA_MIN, "the servo's record was played, too")
+
+    def test_a_log_without_bytes_is_refused(self):
+        with open(self.path("empty.lcm"), "wb"):
+            pass
+        robot = self.start("odoless", "emulate", "robot", "--from-raw", self.path("empty.lcm"), *self.lines())
+        self.assertEqual(robot.wait(timeout=10), 65)
+        self.assertIn("no bytes of a laser", robot.stderr.read())
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
