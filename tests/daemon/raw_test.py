@@ -20,6 +20,11 @@ RUN_S = 6
 SERVO_DATA_MIN = 30
 
 
+def device_bytes(path):
+    """All that the laser said."""
+    return b"".join(data[20:] for channel, data in messages(path) if channel == "ODOLESS_LRF_RAW_RX")
+
+
 def scans(path):
     """(stamp in s, ranges' bytes) of each scan, after the type's fingerprint."""
     return [(struct.unpack(">q", data[8:16])[0] * 1e-6, data[16:]) for channel, data in messages(path)
@@ -64,22 +69,26 @@ class RawTest(DaemonCase):
         said = robot.stdout.read()
         self.assertIn("laser: ", said)
 
+        again, before = device_bytes(log_again), device_bytes(log)
+        self.assertTrue(before.startswith(again), "the laser's bytes are the recorded ones")
+        self.assertGreater(len(again), 0.98 * len(before))
         first, second = scans(log), scans(log_again)
+        stamps = {ranges: stamp_s for stamp_s, ranges in second}
+        common = [(stamp_s, stamps[ranges]) for stamp_s, ranges in first if ranges in stamps]
         self.assertGreater(len(first), 100)
-        count = min(len(first), len(second))
-        self.assertLessEqual(abs(len(first) - len(second)), 2, "a scan may be cut at the end of the record")
-        for i in range(count):  # bit for bit: they are the device's own
-            self.assertEqual(first[i][1], second[i][1], f"ranges of scan {i}")
+        # Bit for bit; a busy machine may leave out a scan, in either run, but never change one.
+        self.assertGreater(len(common), 0.97 * max(len(first), len(second)))
+        self.assertEqual([b for _, b in common], sorted(b for _, b in common), "in order")
         # The stamps come from the arrival of bytes, which the kernel's scheduling moves about.
-        shift_s = max(abs((second[i][0] - second[0][0]) - (first[i][0] - first[0][0])) for i in range(count))
+        shift_s = max(abs((b - common[0][1]) - (a - common[0][0])) for a, b in common)
         # Poses hang on the time that the filter's updates take, for its particles follow it: not to the bit.
-        apart = [(path[a], path_again[b]) for a, b in ((round(first[i][0] * 1e6), round(second[i][0] * 1e6))
-                                                       for i in range(count)) if a in path and b in path_again]
-        self.assertGreater(len(apart), 0.8 * count)
+        stamps_us = [(round(a * 1e6), round(b * 1e6)) for a, b in common]
+        apart = [(path[a], path_again[b]) for a, b in stamps_us if a in path and b in path_again]
+        self.assertGreater(len(apart), 0.8 * len(common))
         apart_m = max(math.hypot(p[0] - q[0], p[1] - q[1]) for p, q in apart)
         apart_deg = max(abs(math.degrees(math.remainder(p[2] - q[2], 2.0 * math.pi))) for p, q in apart)
         moved_m = math.hypot(*(path[max(path)][i] - path[min(path)][i] for i in (0, 1)))
-        print(f"raw replay: {count} scans equal to the bit, stamps within {shift_s * 1e3:.2f} ms, {len(apart)} poses "
+        print(f"raw replay: {len(common)} of {len(first)} scans equal to the bit, stamps within {shift_s * 1e3:.2f} ms, {len(apart)} poses "
               f"within {apart_m:.3f} m and {apart_deg:.2f} deg after {moved_m:.1f} m; {said.strip()}")
         self.assertLess(shift_s, 0.025)
         self.assertLess(apart_m, 0.05)

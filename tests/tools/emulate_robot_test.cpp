@@ -54,14 +54,26 @@ TEST(RawPlayer, TakesCommandsInPiecesTogetherAndInAnotherOrder) {
   EXPECT_TRUE(player.is_over());
 }
 
-TEST(RawPlayer, PassesOverWhatWasNeverRecordedAndAnswersNoCommandTwice) {
+TEST(RawPlayer, PassesOverWhatWasNeverRecordedAndRepeatsWhatIsUsedUp) {
   RawPlayer player({heard(0, "rest"), sent(10, "QT\n"), heard(11, "00P")});
   player.receive("what?QT\n", 0);
   EXPECT_EQ(player.counts().unknown, 5);
   EXPECT_THAT(player.take_due(kMs), ElementsAre("rest", "00P"));
+  EXPECT_TRUE(player.is_over());
   player.receive("QT\n", 2 * kMs);
-  EXPECT_THAT(player.take_due(100 * kMs), IsEmpty());
-  EXPECT_EQ(player.counts().unknown, 8);
+  EXPECT_EQ(player.next_event_ns(), 3 * kMs);
+  EXPECT_THAT(player.take_due(3 * kMs), ElementsAre("00P"));
+  EXPECT_EQ(player.counts().unknown, 5);
+  EXPECT_EQ(player.counts().repeated, 1);
+}
+
+TEST(RawPlayer, AStreamGoesOnForAClientThatStartsAnew) {
+  RawPlayer player({sent(0, "MD\n"), heard(1, "ok"), heard(100, "one"), heard(200, "two")});
+  player.receive("MD\n", 0);
+  EXPECT_THAT(player.take_due(100 * kMs), ElementsAre("ok", "one"));
+  player.receive("MD\n", 110 * kMs);
+  EXPECT_THAT(player.take_due(150 * kMs), ElementsAre("ok"));
+  EXPECT_THAT(player.take_due(200 * kMs), ElementsAre("two"));
 }
 
 TEST(RawPlayer, NeverSendsAPieceBeforeAnEarlierOne) {

@@ -70,8 +70,9 @@ void run_emulated(const EmulateRobotOptions& options) {
 }
 
 void tell_counts(const char* device, const RawPlayer& player) {
-  say(fmt::format("{}: {} commands answered, {} pieces sent, {} bytes not understood", device, player.counts().answered,
-                  player.counts().sent, player.counts().unknown));
+  const RawPlayCounts& counts = player.counts();
+  say(fmt::format("{}: {} commands answered, {} more answered again, {} pieces sent, {} bytes not understood", device,
+                  counts.answered, counts.repeated, counts.sent, counts.unknown));
 }
 
 void run_recorded(const EmulateRobotOptions& options) {

@@ -1,5 +1,6 @@
 #include "tools/emulate/raw_player.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -15,10 +16,22 @@ void RawPlayer::schedule(std::size_t from, std::int64_t recorded_us, std::int64_
   last_scheduled_ = last_scheduled_ || i == pieces_.size();
 }
 
+bool RawPlayer::starts_what_was_heard(const RawPiece& piece) const {
+  return piece.to_device && !piece.bytes.empty() && heard_.starts_with(piece.bytes);
+}
+
 std::size_t RawPlayer::find_command() const {
   for (std::size_t i = first_unused_; i < pieces_.size(); ++i) {
-    const RawPiece& piece = pieces_[i];
-    if (piece.to_device && !used_[i] && !piece.bytes.empty() && heard_.starts_with(piece.bytes)) {
+    if (!used_[i] && starts_what_was_heard(pieces_[i])) {
+      return i;
+    }
+  }
+  return kNone;
+}
+
+std::size_t RawPlayer::find_used_command() const {
+  for (std::size_t i = pieces_.size(); i-- > 0;) {
+    if (used_[i] && starts_what_was_heard(pieces_[i])) {
       return i;
     }
   }
@@ -44,6 +57,16 @@ void RawPlayer::answer(std::size_t command, std::int64_t now_ns) {
   }
 }
 
+void RawPlayer::answer_again(std::size_t command, std::int64_t now_ns) {
+  ++counts_.repeated;
+  heard_.erase(0, pieces_[command].bytes.size());
+  const std::size_t next = command + 1;
+  if (next < pieces_.size() && !pieces_[next].to_device &&
+      pieces_[next].time_us - pieces_[command].time_us <= kPrompt_us) {
+    repeated_.emplace(now_ns + (pieces_[next].time_us - pieces_[command].time_us) * 1000, next);
+  }
+}
+
 void RawPlayer::receive(std::string_view bytes, std::int64_t now_ns) {
   if (!bytes.empty() && !was_addressed_) {
     was_addressed_ = true;
@@ -53,6 +76,8 @@ void RawPlayer::receive(std::string_view bytes, std::int64_t now_ns) {
   while (!heard_.empty()) {
     if (const std::size_t command = find_command(); command != kNone) {
       answer(command, now_ns);
+    } else if (const std::size_t again = find_used_command(); again != kNone) {
+      answer_again(again, now_ns);
     } else if (may_become_command()) {
       return;
     } else {
@@ -64,6 +89,10 @@ void RawPlayer::receive(std::string_view bytes, std::int64_t now_ns) {
 
 std::vector<std::string> RawPlayer::take_due(std::int64_t now_ns) {
   std::vector<std::string> due;
+  while (!repeated_.empty() && repeated_.begin()->first <= now_ns) {
+    due.push_back(pieces_[repeated_.begin()->second].bytes);
+    repeated_.erase(repeated_.begin());
+  }
   while (!due_ns_.empty() && due_ns_.begin()->second <= now_ns) {
     due.push_back(pieces_[due_ns_.begin()->first].bytes);
     due_ns_.erase(due_ns_.begin());
@@ -73,7 +102,9 @@ std::vector<std::string> RawPlayer::take_due(std::int64_t now_ns) {
 }
 
 std::int64_t RawPlayer::next_event_ns() const {
-  return due_ns_.empty() ? std::numeric_limits<std::int64_t>::max() : due_ns_.begin()->second;
+  constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+  return std::min(due_ns_.empty() ? kNever : due_ns_.begin()->second,
+                  repeated_.empty() ? kNever : repeated_.begin()->first);
 }
 
 }  // namespace odoless

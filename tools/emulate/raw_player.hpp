@@ -15,7 +15,8 @@ namespace odoless {
 struct RawPlayCounts {
   std::int64_t answered = 0;  ///< recorded commands that the client has sent
   std::int64_t sent = 0;      ///< recorded pieces that were sent to it
-  std::int64_t unknown = 0;   ///< bytes that it sent and that no command of the record is left for
+  std::int64_t repeated = 0;  ///< commands beyond the recorded ones, whose answers were repeated
+  std::int64_t unknown = 0;   ///< bytes that it sent and that are no command of the record
 };
 
 /// A device that says again what it said when it was recorded, whoever it was.
@@ -24,6 +25,9 @@ struct RawPlayCounts {
 /// has sent the same bytes, as long after it as it was recorded. The first such command that isn't used up counts, so
 /// that a client may leave some out or send them in another order. What stands before all commands is sent at the first
 /// byte of the client. Pieces are never sent in another order than the recorded one.
+///
+/// A client that sends a command more often than it was recorded, as after a restart, gets the first piece of its last
+/// answer once more, and the rest goes on as it would have.
 ///
 /// Bytes and the host's time in, bytes out; one thread.
 class RawPlayer {
@@ -42,18 +46,24 @@ class RawPlayer {
 
  private:
   static constexpr std::size_t kNone = SIZE_MAX;
+  static constexpr std::int64_t kPrompt_us = 100'000;  ///< later, it is a stream and no answer
 
-  /// The command at the start of what the client has sent.
+  /// The first command, of those that aren't used up, at the start of what the client has sent.
   [[nodiscard]] std::size_t find_command() const;
+  /// The last one of those that are.
+  [[nodiscard]] std::size_t find_used_command() const;
   [[nodiscard]] bool may_become_command() const;
   void answer(std::size_t command, std::int64_t now_ns);
+  void answer_again(std::size_t command, std::int64_t now_ns);
+  [[nodiscard]] bool starts_what_was_heard(const RawPiece& piece) const;
   /// Schedules what follows piece `from`, up to the next command.
   void schedule(std::size_t from, std::int64_t recorded_us, std::int64_t now_ns);
 
   std::vector<RawPiece> pieces_;
   std::vector<bool> used_;
   std::size_t first_unused_ = 0;
-  std::map<std::size_t, std::int64_t> due_ns_;  ///< of pieces that wait, by their place in the record
+  std::map<std::size_t, std::int64_t> due_ns_;         ///< of pieces that wait, by their place in the record
+  std::multimap<std::int64_t, std::size_t> repeated_;  ///< answers that are sent once more, by when they are due
   std::string heard_;
   bool was_addressed_ = false;
   bool last_scheduled_ = false;
