@@ -3,6 +3,7 @@
 import glob
 import os
 import signal
+import subprocess
 import time
 import unittest
 
@@ -32,9 +33,9 @@ class RobotTest(DaemonTest):
         super().setUp()
         run("ip", "link", "set", "vcan0", "up")
 
-    def start_robot(self, *more):
+    def start_robot(self, *more, **options):
         robot = self.start(*program("odoless", "emulate", "robot", *more, "--pty", self.path("laser"),
-                                    "--servo-can", "vcan0"))
+                                    "--servo-can", "vcan0"), **options)
         self.wait_until(lambda: os.path.lexists(self.path("laser")), 10, "the robot")
         return robot
 
@@ -54,9 +55,8 @@ class RobotTest(DaemonTest):
         return "servo does not obey" not in (self.status() or "servo does not obey")
 
     def test_a_whole_robot_moves_stops_pulses_and_loses_its_power(self):
-        self.start_driving("--gpio", "bot", "--gpio-fault", "stop@14:3", "--fault", "silence@20:3")
-        self.addCleanup(self.wait_until, lambda: not os.path.exists("/sys/kernel/config/gpio-sim/bot/live"), 5, "the end")
-        self.start_recording("run", GPIO)
+        robot = self.start_driving("--gpio", "bot", "--gpio-fault", "stop@14:3", "--fault", "silence@20:3")
+        daemon = self.start_recording("run", GPIO)
         time.sleep(1)
         self.assertNotIn("sync pulse is missing", self.status())
         self.wait_until(lambda: "emergency stop" in self.status(), 20, "the stop")
@@ -66,6 +66,8 @@ class RobotTest(DaemonTest):
         self.wait_until(lambda: self.scans() > scans + 20, 15, "scans after the power cycle")
         with open(self.path("daemon.log"), encoding="utf-8") as log:
             self.assertNotIn("GPIO line", log.read())
+        self.finish(daemon, robot)
+        self.assertFalse(os.path.exists("/sys/kernel/config/gpio-sim/bot"), "a chip that nobody uses is removed")
 
     def test_recorded_bytes_of_laser_and_bus_come_again(self):
         robot = self.start_driving()
@@ -78,7 +80,7 @@ class RobotTest(DaemonTest):
             file.write(dump)
         self.assertEqual(run("canplayer", "-I", self.path("bus.log"), "-t", "vcan0=vcan0").returncode, 0,
                          "the recorded frames are a log of candump")
-        robot = self.start_robot("--from-raw", log)
+        robot = self.start_robot("--from-raw", log, stdout=subprocess.PIPE)
         daemon = self.start_recording("second", 'at_start = "sweep"\n')
         time.sleep(3)
         self.finish(daemon, robot)
@@ -88,7 +90,8 @@ class RobotTest(DaemonTest):
         self.assertGreater(count, 20)
         self.assertEqual(first[:count], second[:count], "the ranges are the recorded ones to the bit")
         angles = [sum(channel == "ODOLESS_TILT" for channel, _ in messages(path)) for path in (log, again)]
-        print(f"  raw replay: {count} scans equal to the bit; {angles[0]} angles recorded, {angles[1]} again")
+        print(f"  raw replay: {count} scans equal to the bit; {angles[0]} angles recorded, {angles[1]} again; "
+              + " ".join(robot.stdout.read().split("\n")[2:]))
         self.assertGreater(angles[1], 0.7 * angles[0])
 
     def finish(self, daemon, robot):

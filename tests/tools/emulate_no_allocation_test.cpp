@@ -47,7 +47,6 @@ TEST_P(LrfAllocation, NothingIsAllocatedAfterConstruction) {
   std::int64_t calls = 0;
   session->reset(0);
   for (std::int64_t now_ns = 0; now_ns < 12 * kSecond; now_ns += kMs) {
-    device->set_line_baud(session->line_baud());
     device->tick(now_ns);
     const std::vector<SentBytes> sent = device->take_output();
     const AllocationGuard guard;
@@ -57,6 +56,7 @@ TEST_P(LrfAllocation, NothingIsAllocatedAfterConstruction) {
     session->tick(now_ns, counter);
     const auto request = session->transmit();
     calls += guard.calls();
+    device->set_line_baud(session->line_baud());
     device->receive({reinterpret_cast<const char*>(request.data()), request.size()}, now_ns);
   }
   EXPECT_EQ(calls, 0);

@@ -10,6 +10,7 @@
 #include "firmware/lcm/log_writer.hpp"
 #include "tests/support/run_command.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/tools/servo_support.hpp"
 #include "tools/command/error.hpp"
 #include "tools/emulate/emulated_gpio.hpp"
 #include "tools/emulate/raw_player.hpp"
@@ -76,12 +77,81 @@ TEST(RawPlayer, AStreamGoesOnForAClientThatStartsAnew) {
   EXPECT_THAT(player.take_due(200 * kMs), ElementsAre("two"));
 }
 
+TEST(RawPlayer, PassesOverWholeFramesThatAreNotKnown) {
+  RawPlayer player({sent(0, "00AB"), heard(1, "yes")}, 4);
+  player.receive("xx00", 0);  // its end is how the known one begins
+  player.receive("00AB", 0);
+  EXPECT_EQ(player.counts().unknown, 4);
+  EXPECT_THAT(player.take_due(kMs), ElementsAre("yes"));
+}
+
 TEST(RawPlayer, NeverSendsAPieceBeforeAnEarlierOne) {
   RawPlayer player({sent(0, "A"), heard(50, "first"), sent(51, "B"), heard(52, "second")});
   player.receive("A", 0);
   player.receive("B", kMs);  // sooner than it was recorded: its answer is due before that of A
   EXPECT_THAT(player.take_due(10 * kMs), IsEmpty());
   EXPECT_THAT(player.take_due(50 * kMs), ElementsAre("first", "second"));
+}
+
+/// A drive and a session on a bus for some seconds, each millisecond; what the session hears, and what both say.
+template <class Receive, class Take>
+std::vector<double> angles_of(const Receive& to_drive, const Take& from_drive, std::vector<RawPiece>* record) {
+  TiltParams params = test::servo_params(TiltDriver::kCia402);
+  params.at_start = TiltCommand::kSweep;
+  const auto session = make_tilt_session(params);
+  test::HeardTilt heard;
+  const auto keep = [&](std::int64_t now_ns, bool to_device, std::span<const std::byte> bytes) {
+    if (record != nullptr) {
+      record->push_back({now_ns / 1000, to_device, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}});
+    }
+  };
+  session->reset(0);
+  for (std::int64_t now_ns = 0; now_ns < 5000 * kMs; now_ns += kMs) {
+    for (const ServoFrame& frame : from_drive(now_ns)) {
+      keep(now_ns, false, frame);
+      session->receive(frame, now_ns, heard);
+    }
+    session->tick(now_ns, heard);
+    for (auto frame = session->transmit(); !frame.empty(); frame = session->transmit()) {
+      keep(now_ns, true, frame);
+      to_drive(frame, now_ns);
+    }
+  }
+  std::vector<double> angles_rad;
+  for (const TiltSample& sample : heard.samples) {
+    angles_rad.push_back(sample.angle_rad);
+  }
+  return angles_rad;
+}
+
+TEST(RawPlayer, ARecordedDriveIsBroughtUpAgainAndGivesTheSameAngles) {
+  const auto drive = test::ServoBench::make_servo(test::servo_params(TiltDriver::kCia402), {});
+  std::vector<RawPiece> record;
+  const std::vector<double> first =
+      angles_of([&](std::span<const std::byte> frame, std::int64_t now_ns) { drive->receive(frame, now_ns); },
+                [&](std::int64_t now_ns) {
+                  drive->tick(now_ns);
+                  return drive->take_output();
+                },
+                &record);
+  RawPlayer player(record, sizeof(CanFrame));
+  const std::vector<double> second = angles_of(
+      [&](std::span<const std::byte> frame, std::int64_t now_ns) {
+        player.receive({reinterpret_cast<const char*>(frame.data()), frame.size()}, now_ns);
+      },
+      [&](std::int64_t now_ns) {
+        std::vector<ServoFrame> frames;
+        for (const std::string& piece : player.take_due(now_ns)) {
+          const auto bytes = std::as_bytes(std::span(piece.data(), piece.size()));
+          frames.emplace_back(bytes.begin(), bytes.end());
+        }
+        return frames;
+      },
+      nullptr);
+  EXPECT_GT(first.size(), 300U);
+  EXPECT_EQ(second, first);
+  EXPECT_EQ(player.counts().unknown, 0);
+  EXPECT_EQ(player.counts().repeated, 0);
 }
 
 /// Records bytes of a device as the daemon does.
@@ -103,7 +173,7 @@ std::string candump(const CanFrame& frame) {
 TEST(RawRecording, TellsTheDevicesApartAndReadsFramesOfCan) {
   const test::TemporaryFolder folder;
   const Channels channels("ROBOT7_");
-  const CanFrame command{.id = 0x201, .size_bytes = 2, .data = {0x0F, 0}};
+  const CanFrame command{.id = 0x601, .size_bytes = 2, .data = {0x40, 0}};
   const CanFrame status{.id = 0x181, .size_bytes = 1, .data = {0x37}};
   {
     LogWriter writer({.path = (folder.path() / "run").string()});
@@ -127,6 +197,27 @@ TEST(RawRecording, TellsTheDevicesApartAndReadsFramesOfCan) {
     ASSERT_TRUE(frame);
     EXPECT_EQ(*frame, i == 0 ? command : status);
   }
+}
+
+// A heartbeat, or a SYNC, between a question and its answer must not become what is answered.
+TEST(RawRecording, PutsEachAnswerOfABusBehindItsQuestion) {
+  const test::TemporaryFolder folder;
+  const Channels channels;
+  {
+    LogWriter writer({.path = (folder.path() / "run").string()});
+    record(writer, channels.tilt_raw_tx, 10, candump({.id = 0x601, .size_bytes = 8}));
+    record(writer, channels.tilt_raw_tx, 11, candump({.id = 0x77F, .size_bytes = 1}));
+    record(writer, channels.tilt_raw_tx, 12, candump({.id = 0x201, .size_bytes = 6}));
+    record(writer, channels.tilt_raw_tx, 13, candump({.id = 0x080}));
+    record(writer, channels.tilt_raw_rx, 14, candump({.id = 0x701, .size_bytes = 1}));
+    record(writer, channels.tilt_raw_rx, 15, candump({.id = 0x581, .size_bytes = 8}));
+    record(writer, channels.tilt_raw_rx, 16, candump({.id = 0x181, .size_bytes = 7}));
+  }
+  std::vector<std::uint32_t> ids;
+  for (const RawPiece& piece : read_raw_recording(folder.path() / "run.00000.lcm").servo) {
+    ids.push_back(to_can_frame(std::as_bytes(std::span(piece.bytes)))->id);
+  }
+  EXPECT_THAT(ids, ElementsAre(0x601, 0x581, 0x080, 0x701, 0x181));
 }
 
 TEST(RawRecording, RefusesALogWithoutBytesOrWithDamagedOnes) {

@@ -71,7 +71,7 @@ void run_emulated(const EmulateRobotOptions& options) {
 
 void tell_counts(const char* device, const RawPlayer& player) {
   const RawPlayCounts& counts = player.counts();
-  say(fmt::format("{}: {} commands answered, {} more answered again, {} pieces sent, {} bytes not understood", device,
+  say(fmt::format("{}: {} commands answered, {} more answered again, {} pieces sent, {} bytes passed over", device,
                   counts.answered, counts.repeated, counts.sent, counts.unknown));
 }
 
@@ -88,7 +88,7 @@ void run_recorded(const EmulateRobotOptions& options) {
                                                            : "a serial line; expected --servo-pty PATH"));
   }
   RawPlayer laser(std::move(recording.laser));
-  RawPlayer servo(std::move(recording.servo));
+  RawPlayer servo(std::move(recording.servo), recording.servo_is_on_can ? sizeof(CanFrame) : 1);
   std::unique_ptr<ServoLine> laser_line;
   std::unique_ptr<ServoLine> servo_line;
   std::vector<std::unique_ptr<LoopedRecording>> looped;

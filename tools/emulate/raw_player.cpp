@@ -6,7 +6,8 @@
 
 namespace odoless {
 
-RawPlayer::RawPlayer(std::vector<RawPiece> pieces) : pieces_(std::move(pieces)), used_(pieces_.size(), false) {}
+RawPlayer::RawPlayer(std::vector<RawPiece> pieces, std::size_t unit_bytes)
+    : pieces_(std::move(pieces)), unit_bytes_(unit_bytes), used_(pieces_.size(), false) {}
 
 void RawPlayer::schedule(std::size_t from, std::int64_t recorded_us, std::int64_t now_ns) {
   std::size_t i = from;
@@ -81,8 +82,9 @@ void RawPlayer::receive(std::string_view bytes, std::int64_t now_ns) {
     } else if (may_become_command()) {
       return;
     } else {
-      heard_.erase(0, 1);
-      ++counts_.unknown;
+      const std::size_t passed_over = std::min(unit_bytes_, heard_.size());
+      heard_.erase(0, passed_over);
+      counts_.unknown += static_cast<std::int64_t>(passed_over);
     }
   }
 }

@@ -32,7 +32,8 @@ struct RawPlayCounts {
 /// Bytes and the host's time in, bytes out; one thread.
 class RawPlayer {
  public:
-  explicit RawPlayer(std::vector<RawPiece> pieces);
+  /// @param unit_bytes  What comes from the client is passed over in such steps where it is not known: 1, or a frame.
+  explicit RawPlayer(std::vector<RawPiece> pieces, std::size_t unit_bytes = 1);
 
   void receive(std::string_view bytes, std::int64_t now_ns);
   /// The pieces that are due.
@@ -60,6 +61,7 @@ class RawPlayer {
   void schedule(std::size_t from, std::int64_t recorded_us, std::int64_t now_ns);
 
   std::vector<RawPiece> pieces_;
+  std::size_t unit_bytes_;
   std::vector<bool> used_;
   std::size_t first_unused_ = 0;
   std::map<std::size_t, std::int64_t> due_ns_;         ///< of pieces that wait, by their place in the record

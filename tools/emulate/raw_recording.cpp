@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <lcm/eventlog.h>
 
+#include <algorithm>
 #include <bot_core/raw_t.hpp>
 #include <memory>
 #include <optional>
@@ -38,14 +39,45 @@ std::optional<CanFrame> frame_of(const RawPiece& piece) {
   return recorded ? std::optional(recorded->frame) : std::nullopt;
 }
 
+std::uint32_t base_of(std::uint32_t id) { return id & 0x780U; }
+
+/// What of a bus is a question or an answer.
+bool is_dialogue(const CanFrame& frame, bool to_device) {
+  const std::uint32_t base = base_of(frame.id);
+  if (frame.is_error()) {
+    return false;
+  }
+  return to_device ? base != canopen::kHeartbeatCob && base != canopen::kReceivePdo1Cob : frame.id != canopen::kSyncCob;
+}
+
+/// Where an answer belongs: behind the last question of its kind, and what answered that so far.
+std::vector<RawPiece>::iterator place_of(std::vector<RawPiece>& pieces, const CanFrame& answer) {
+  const std::uint32_t base = base_of(answer.id);
+  const std::uint32_t question = base == canopen::kSdoReplyCob ? canopen::kSdoRequestCob : canopen::kSyncCob;
+  if (base != canopen::kSdoReplyCob && base != canopen::kTransmitPdo1Cob && base != canopen::kTransmitPdo2Cob) {
+    return pieces.end();
+  }
+  const auto found = std::find_if(pieces.rbegin(), pieces.rend(), [&](const RawPiece& piece) {
+    const auto frame = to_can_frame(std::as_bytes(std::span(piece.bytes)));
+    return piece.to_device && frame && base_of(frame->id) == question;
+  });
+  return found == pieces.rend()
+             ? pieces.end()
+             : std::find_if(found.base(), pieces.end(), [](const RawPiece& piece) { return piece.to_device; });
+}
+
 void add_servo(RawRecording& recording, RawPiece piece) {
   if (const std::optional<CanFrame> frame = frame_of(piece)) {
     recording.servo_is_on_can = true;
-    if (!piece.to_device && (frame->is_error() || frame->id == canopen::kSyncCob)) {
+    if (!is_dialogue(*frame, piece.to_device)) {
       return;
     }
     const auto bytes = as_bytes(*frame);
     piece.bytes.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (!piece.to_device) {
+      recording.servo.insert(place_of(recording.servo, *frame), std::move(piece));
+      return;
+    }
   }
   recording.servo.push_back(std::move(piece));
 }

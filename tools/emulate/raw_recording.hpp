@@ -21,8 +21,9 @@ struct RawRecording {
   bool servo_is_on_can = false;
 };
 
-/// Reads bot_core.raw_t of an LCM log, from the channels that end in LRF_RAW_RX and _TX, TILT_RAW_RX and _TX. A CAN
-/// bus gives its SYNC back to whoever sent it; those echoes are left out.
+/// Reads bot_core.raw_t of an LCM log, from the channels that end in LRF_RAW_RX and _TX, TILT_RAW_RX and _TX. Of a
+/// CAN bus, what answers nothing and is answered by nothing is left out (echoes of SYNC, error frames, the daemon's
+/// heartbeat and process data), and each answer stands behind its own question: SDO after SDO, process data after SYNC.
 ///
 /// @throws NoInputError; DataError: not an LCM log, a message that is none, or no bytes of a device at all.
 [[nodiscard]] RawRecording read_raw_recording(const std::filesystem::path& path);
