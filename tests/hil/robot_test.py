@@ -57,8 +57,7 @@ class RobotTest(DaemonTest):
     def test_a_whole_robot_moves_stops_pulses_and_loses_its_power(self):
         robot = self.start_driving("--gpio", "bot", "--gpio-fault", "stop@14:3", "--fault", "silence@20:3")
         daemon = self.start_recording("run", GPIO)
-        time.sleep(1)
-        self.assertNotIn("sync pulse is missing", self.status())
+        self.wait_until(lambda: "sync pulse is missing" not in (self.status() or "sync pulse is missing"), 10, "pulses")
         self.wait_until(lambda: "emergency stop" in self.status(), 20, "the stop")
         self.wait_until(lambda: "emergency stop" not in self.status(), 6, "the release")
         scans = self.scans()

@@ -27,7 +27,7 @@ class Watch(threading.Thread):
     """For how long an ordinary process stood still, as the emulated servo does when the host is busy: a true one needs
     no processor of this machine, so nothing is measured then."""
 
-    STEP_S, STILL_MAX_S = 0.002, 0.03
+    STEP_S, LATE_S, STILL_MAX_S = 0.005, 0.02, 0.04
 
     def __init__(self):
         super().__init__(daemon=True)
@@ -40,7 +40,7 @@ class Watch(threading.Thread):
             time.sleep(self.STEP_S)
             now = time.monotonic()
             late_s = now - last - self.STEP_S
-            self.still_s += late_s if late_s > self.STEP_S else 0.0
+            self.still_s += late_s if late_s > self.LATE_S else 0.0
             last = now
 
     def stood_still(self):
