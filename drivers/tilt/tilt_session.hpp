@@ -103,7 +103,7 @@ class TiltSession {
   /// The line was opened: forgets what was half received and starts the bring-up.
   virtual void reset(std::int64_t now_ns) = 0;
 
-  /// What to do from now on. A stop goes before all else that waits.
+  /// What to do from now on. A stop goes before all else that waits. The same command once more does nothing.
   virtual void command(TiltCommand command, std::int64_t now_ns) = 0;
 
   /// Decodes; calls `sink` for every angle and event found, in order.

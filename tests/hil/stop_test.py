@@ -70,7 +70,7 @@ def is_quick_stop(number, data):
 class StopTest(DaemonTest):
     LIMIT_S = 0.2
     TRIES = 8
-    ANSWER_MAX_S = 0.02
+    ANSWER_MAX_S = 0.03
 
     def setUp(self):
         super().setUp()
@@ -114,7 +114,8 @@ class StopTest(DaemonTest):
         commanded = next((stamp for stamp, number, data in after if is_quick_stop(number, data)), None)
         self.assertIsNotNone(commanded, "no quick stop on the bus")
         seen = positions(after)
-        if slowest_answer_s(after) > self.ANSWER_MAX_S or len(seen) < 20:
+        self.slowest_s = slowest_answer_s(after)
+        if self.slowest_s > self.ANSWER_MAX_S or len(seen) < 20:
             return None
         stood = next(stamp for stamp, position in seen if position == seen[-1][1])
         self.assertTrue(all(position == seen[-1][1] for stamp, position in seen if stamp >= stood), "it moved again")
@@ -126,7 +127,7 @@ class StopTest(DaemonTest):
         for _ in range(self.TRIES):
             seen = self.stops(cause, undo)
             if seen is None:
-                print(f"  {name}: not measured, for the emulated servo was held up")
+                print(f"  {name}: not measured, for the emulated servo was held up for {self.slowest_s * 1e3:.0f} ms")
                 continue
             measured += 1
             print(f"  {name}: quick stop on the bus after {seen[0] * 1e3:.1f} ms, zero velocity after "

@@ -132,6 +132,28 @@ TEST_P(TiltContract, StopsWithin200MsAndStaysSo) {
   EXPECT_GT(bench.run_until(TiltState::kLevel, 2 * kServoSecond), 0);
 }
 
+// As an owner does who tells it in every round.
+TEST_P(TiltContract, ToldTheSameAgainAndAgainItSaysNoMore) {
+  for (const TiltCommand command : {TiltCommand::kStop, TiltCommand::kLevel, TiltCommand::kSweep}) {
+    std::size_t samples[2] = {};
+    for (const bool tells_again : {false, true}) {
+      ServoBench bench(params(command));
+      bench.reset();
+      bench.run(kServoSecond);
+      const std::size_t before = bench.heard().samples.size();
+      for (int i = 0; i < 2000; ++i) {
+        if (tells_again) {
+          bench.command(command);
+        }
+        bench.run(kServoMs / 2);
+      }
+      samples[tells_again ? 1 : 0] = bench.heard().samples.size() - before;
+    }
+    EXPECT_NEAR(static_cast<double>(samples[1]), static_cast<double>(samples[0]), 2.0)
+        << kTiltCommandNames[static_cast<std::size_t>(command)];
+  }
+}
+
 TEST_P(TiltContract, ToldToStopBeforeItIsThereItDoesNotMove) {
   ServoBench bench(params(TiltCommand::kStop));
   const double start_rad = bench.angle_rad();

@@ -46,6 +46,9 @@ void Cia402Session::reset(std::int64_t now_ns) {
 }
 
 void Cia402Session::command(TiltCommand command, std::int64_t now_ns) {
+  if (command == motion_.command()) {
+    return;
+  }
   motion_.command(command, now_ns);
   not_enabled_since_ns_ = now_ns;
   if (command == TiltCommand::kStop && is_cyclic()) {
