@@ -106,7 +106,7 @@ TEST_F(Campaign, WritesTableFigureAndClaims) {
   const std::string svg = content("a/small/plot.svg");
   EXPECT_THAT(svg, HasSubstr("<svg"));
   EXPECT_THAT(svg, HasSubstr("</svg>"));
-  EXPECT_THAT(svg, HasSubstr("fitness &lt;of&gt; a")) << "the legend";
+  EXPECT_THAT(svg, HasSubstr("fitness &lt;of> a")) << "the legend";
   EXPECT_EQ(content("a/small/plot.png").substr(1, 3), "PNG");
 }
 

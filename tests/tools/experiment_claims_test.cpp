@@ -97,6 +97,8 @@ TEST(WhatIsBuiltIn, MustBeBetterAtEveryNoiseAndNoSlower) {
   ours[1] = summary(0, 0.021, 0.2);
   EXPECT_FALSE(default_beats_seed(seed, ours).agrees) << "worse at one noise";
   EXPECT_FALSE(default_beats_seed({}, {}).agrees);
+  EXPECT_TRUE(default_beats_seed_at_worst(seed, Summaries{summary(0, 0.009, 0.1), summary(0, 0.019, 0.2)}).agrees);
+  EXPECT_FALSE(default_beats_seed_at_worst(seed, Summaries{summary(0, 0.009, 0.1), summary(0, 0.021, 0.2)}).agrees);
 }
 
 TEST(AccumulatedError, GrowsOrNot) {
@@ -129,34 +131,25 @@ TEST(Filter, MustBeatMatchesAlone) {
   EXPECT_FALSE(filter_beats_matches(std::vector<double>{0.3}, std::vector<double>{0.3}).agrees);
 }
 
-std::vector<MatchRow> matches_with(std::initializer_list<double> fitnesses) {
-  std::vector<MatchRow> rows;
-  for (const double fitness : fitnesses) {
-    rows.push_back({.index = static_cast<int>(rows.size()) + 1, .reference_T_scan = {}, .fitness = fitness});
-  }
-  return rows;
-}
-
-TEST(Fitness, OfTheSeedIs180TimesWhatIsMissing) {
-  EXPECT_NEAR(seed_fitness(matches_with({0.9})[0]), 18.0, 1e-9);
-  EXPECT_EQ(count_peaks(matches_with({0.9, 0.83, 0.84, 0.1})), 2U) << "30 is at 0.8333";
-}
-
 TEST(Fitness, StaysBelowItsThresholdOrNot) {
-  EXPECT_TRUE(fitness_stays_below("5.10", matches_with({0.9, 0.95})).agrees);
-  EXPECT_FALSE(fitness_stays_below("5.10", matches_with({0.9, 0.8})).agrees);
+  using Values = std::vector<double>;
+  EXPECT_EQ(count_peaks(Values{3.0, 30.0, 29.9, 80.0}), 2U);
+  EXPECT_TRUE(fitness_stays_below("5.10", Values{3.0, 29.9}).agrees);
+  EXPECT_FALSE(fitness_stays_below("5.10", Values{3.0, 30.0}).agrees);
   EXPECT_FALSE(fitness_stays_below("5.10", {}).agrees);
-  EXPECT_TRUE(peaks_are_few("5.12", "few", matches_with({0.9, 0.8}), 0.5).agrees);
-  EXPECT_FALSE(peaks_are_few("5.12", "few", matches_with({0.9, 0.8}), 0.4).agrees);
+  EXPECT_TRUE(peaks_are_few("5.12", "few", Values{3.0, 31.0}, 0.5).agrees);
+  EXPECT_FALSE(peaks_are_few("5.12", "few", Values{3.0, 31.0}, 0.4).agrees);
+  EXPECT_TRUE(sparse_scans_match_poorly(Values{40.0, 3.0, 3.0}).agrees);
+  EXPECT_FALSE(sparse_scans_match_poorly(Values{3.0, 3.0, 3.0}).agrees);
 }
 
-TEST(SparseScans, NeedWideCellsAndASecondTry) {
-  EXPECT_TRUE(sparse_scans_match_poorly(matches_with({0.5, 0.9, 0.9})).agrees);
-  EXPECT_FALSE(sparse_scans_match_poorly(matches_with({0.9, 0.9, 0.9})).agrees);
+TEST(SparseScans, NeedWideCellsInASecondTry) {
   EXPECT_TRUE(wide_cells_ease_convergence(summary(50, 0.1, 3.0), summary(30, 0.1, 3.0)).agrees);
   EXPECT_FALSE(wide_cells_ease_convergence(summary(30, 0.1, 3.0), summary(30, 0.1, 3.0)).agrees);
-  EXPECT_TRUE(escalation_helps(summary(50, 0.1, 3.0), summary(30, 0.1, 3.0), summary(10, 0.1, 3.0)).agrees);
-  EXPECT_FALSE(escalation_helps(summary(50, 0.1, 3.0), summary(30, 0.1, 3.0), summary(40, 0.1, 3.0)).agrees);
+  const MatchingSummary none = summary(15, 0.1, 3.0);
+  EXPECT_TRUE(second_try_needs_wide_cells(none, summary(11, 0.1, 3.0), summary(8, 0.1, 3.0)).agrees);
+  EXPECT_FALSE(second_try_needs_wide_cells(none, summary(8, 0.1, 3.0), summary(8, 0.1, 3.0)).agrees) << "not the cells";
+  EXPECT_FALSE(second_try_needs_wide_cells(none, summary(18, 0.1, 3.0), summary(16, 0.1, 3.0)).agrees) << "no use";
 }
 
 std::vector<DisplacementError> drawn_errors(double floor_m, double ratio, double turn_floor_rad) {

@@ -7,8 +7,10 @@
 #include "tools/experiment/plots.hpp"
 #include "tools/experiment/route.hpp"
 #include "tools/experiment/scene.hpp"
+#include "tools/experiment/self_fitness.hpp"
 #include "tools/experiment/table.hpp"
 #include "tools/output/map_files.hpp"
+#include "tools/replay/replay.hpp"
 
 namespace odoless {
 namespace {
@@ -36,6 +38,18 @@ TEST(Chain, OfTrueMotionsIsTheTruePath) {
   const std::vector<double> errors_m = position_errors_m(chain(matches, scene.truth.poses[0].pose), scene.truth.poses);
   EXPECT_EQ(errors_m.size(), scene.log.scans.size());
   EXPECT_LT(*std::max_element(errors_m.begin(), errors_m.end()), 1e-9);
+}
+
+// The seed: it would be zero if the robot did not move and the laser did not err.
+TEST(SeedFitness, IsZeroOfAScanMatchedWithItselfAndPositiveOfAnother) {
+  const SceneData scene = load_scene({.world = "rooms.world", .lrf = {}, .scans_max = 12}, {});
+  ScanLog twice = scene.log;
+  twice.scans = {scene.log.scans[0], scene.log.scans[0], scene.log.scans[11]};
+  const std::vector<MatchRow> matches = match_pairs(twice, {}, {}, [](std::int64_t, std::int64_t, double) {});
+  const std::vector<double> fitness = seed_fitness(matches, self_scores(twice, {}));
+  ASSERT_EQ(fitness.size(), 2U);
+  EXPECT_NEAR(fitness[0], 0.0, 1.0);
+  EXPECT_GT(fitness[1], 2.0);
 }
 
 TEST(RobustNormal, IsNotMovedByOutliers) {

@@ -129,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(
     Worlds, ExampleWorld,
     ::testing::Values(Example{"office.world", 140.0, 180.0, 0.3}, Example{"corridor.world", 25.0, 30.0, 0.9},
                       Example{"hall.world", 80.0, 120.0, 3.0}, Example{"symmetric.world", 25.0, 40.0, 0.3},
-                      Example{"people.world", 50.0, 70.0, 0.3}, Example{"cave.world", 70.0, 120.0, 0.5},
+                      Example{"people.world", 40.0, 70.0, 0.3}, Example{"cave.world", 70.0, 120.0, 0.5},
                       Example{"rooms.world", 60.0, 90.0, 0.3}));
 
 TEST(ExampleWorlds, RoomsHasTheScansOfTheSeedsExperiment) {

@@ -29,9 +29,9 @@ std::string median_of(const MatchingSummary& s) {
   return fmt::format("median {:.1f} mm, {:.3f} deg", s.median_m * 1e3, to_deg(s.median_rad));
 }
 
-std::string median_and_rms_of(const MatchingSummary& s) {
-  return fmt::format("median {:.1f} mm, RMS {:.1f} mm", s.median_m * 1e3, s.rms_m * 1e3);
-}
+std::string exact_median_of(const MatchingSummary& s) { return fmt::format("median {:.2f} mm", s.median_m * 1e3); }
+
+std::string rms_of(const MatchingSummary& s) { return fmt::format("RMS {:.1f} mm", s.rms_m * 1e3); }
 
 bool is_gross_share_below(const MatchingSummary& summary, double share) {
   return static_cast<double>(summary.gross) <= share * static_cast<double>(summary.pairs);
@@ -98,13 +98,20 @@ Claim noise_is_survived(Summaries by_noise) {
 Claim default_beats_seed(Summaries seed, Summaries ours) {
   bool agrees = !seed.empty() && seed.size() == ours.size();
   for (std::size_t i = 0; agrees && i < seed.size(); ++i) {
-    agrees = ours[i].median_m < seed[i].median_m && ours[i].rms_m < seed[i].rms_m &&
-             ours[i].time_median_us <= seed[i].time_median_us;
+    agrees = ours[i].median_m < seed[i].median_m && ours[i].time_median_us <= seed[i].time_median_us;
   }
-  return {
-      "5.5-5.6", "our aim: what is built in beats the seed's setting at every noise, in no more time",
-      list(seed, median_and_rms_of) + " / " + list(ours, median_and_rms_of) + (agrees ? "; less CPU time at each" : ""),
-      agrees};
+  return {"5.5-5.6", "our aim: what is built in beats the seed's setting at every noise, in no more time",
+          list(seed, exact_median_of) + " / " + list(ours, exact_median_of) + (agrees ? "; less CPU time at each" : ""),
+          agrees};
+}
+
+Claim default_beats_seed_at_worst(Summaries seed, Summaries ours) {
+  bool agrees = !seed.empty() && seed.size() == ours.size();
+  for (std::size_t i = 0; agrees && i < seed.size(); ++i) {
+    agrees = ours[i].rms_m < seed[i].rms_m;
+  }
+  return {"5.5-5.6", "our aim: the RMS error too, which the worst matches make",
+          list(seed, rms_of) + " / " + list(ours, rms_of), agrees};
 }
 
 }  // namespace odoless

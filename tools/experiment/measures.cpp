@@ -61,8 +61,6 @@ MatchingSummary summarise_matching(const std::string& label, const ReferencePose
           .time_median_us = result.time_us.median};
 }
 
-double seed_fitness(const MatchRow& match) { return 180.0 * (1.0 - match.fitness); }
-
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) {
     return 0.0;

@@ -50,9 +50,6 @@ struct MatchingSummary {
 [[nodiscard]] MatchingSummary summarise_matching(const std::string& label, const ReferencePoses& truth,
                                                  std::span<const MatchRow> matches);
 
-/// The seed's form of a match's fitness, A - score for 180 beams.
-[[nodiscard]] double seed_fitness(const MatchRow& match);
-
 /// A normal distribution that is fitted to the middle of a set, so that a few outliers don't widen it.
 struct RobustNormal {
   double mean = 0.0;       ///< the median

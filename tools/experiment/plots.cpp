@@ -134,17 +134,14 @@ Panel histogram_panel(const std::string& title, const std::string& x_label, std:
   return {.title = title, .x_label = x_label, .y_label = "share", .series = {bars, law_series(law, limit, per_bin)}};
 }
 
-Panel fitness_panel(const std::string& title, std::span<const MatchRow> matches) {
-  Series fitness{"A - score, as for 180 beams", Mark::kImpulses, kBlue, {}};
-  Series threshold{"threshold of the seed", Mark::kLine, kRed, {}};
-  for (const MatchRow& match : matches) {
-    fitness.points.push_back({static_cast<double>(match.index), seed_fitness(match)});
-  }
-  if (!matches.empty()) {
-    threshold.points = {{static_cast<double>(matches.front().index), kSeedFitnessMax},
-                        {static_cast<double>(matches.back().index), kSeedFitnessMax}};
-  }
-  return {.title = title, .x_label = "scan", .y_label = "fitness", .series = {fitness, threshold}};
+Panel fitness_panel(const std::string& title, std::span<const double> fitness) {
+  Series values = index_series("A - score, as for 180 beams", fitness, 1.0, kBlue);
+  values.mark = Mark::kImpulses;
+  const Series threshold{"threshold of the seed",
+                         Mark::kLine,
+                         kRed,
+                         {{0.0, kSeedFitnessMax}, {static_cast<double>(fitness.size()), kSeedFitnessMax}}};
+  return {.title = title, .x_label = "displacement", .y_label = "fitness", .series = {values, threshold}};
 }
 
 Panel map_panel(const std::string& title, const OccupancyMap& map, std::vector<Series> paths) {

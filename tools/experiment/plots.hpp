@@ -30,8 +30,8 @@ namespace odoless {
 [[nodiscard]] Panel histogram_panel(const std::string& title, const std::string& x_label,
                                     std::span<const double> values, double limit);
 
-/// Fitness of each match, in the seed's form, beneath its threshold.
-[[nodiscard]] Panel fitness_panel(const std::string& title, std::span<const MatchRow> matches);
+/// Fitness of each match, in the seed's form (self_fitness.hpp), beneath its threshold.
+[[nodiscard]] Panel fitness_panel(const std::string& title, std::span<const double> fitness);
 
 /// A map with paths over it.
 [[nodiscard]] Panel map_panel(const std::string& title, const OccupancyMap& map, std::vector<Series> paths);
