@@ -11,6 +11,6 @@ namespace odoless {
 [[nodiscard]] Scene aces_scene();
 [[nodiscard]] Scene orebro_scene();
 
-constexpr std::int64_t kQuickRecordedScans = 120;  ///< of a log, when little is to be done
+constexpr std::int64_t kQuickRecordedScans = 60;  ///< of a log, when little is to be done
 
 }  // namespace odoless
