@@ -52,8 +52,7 @@ class Statements:
         """The report's own verdict on the statement that begins like that."""
         claims = json.loads((self.out / experiment / "result.json").read_text(encoding="utf-8"))["claims"]
         found = [claim for claim in claims if claim["stated"].startswith(stated)]
-        holds = bool(found) and all(claim["agrees"] == expected for claim in found)
-        self.hold(holds, f"the report says so: {stated}")
+        self.hold(len(found) == 1 and found[0]["agrees"] == expected, f"the report says so: {stated}")
 
 
 def check_population(s):
@@ -97,9 +96,8 @@ def check_recorded(s):
     if not (s.out / "dwing").exists():
         print("no recorded logs here (ODOLESS_DATA): D-Wing and sparse scans were not tried")
         return
-    fitness = [float(r["fitness_seed"]) for r in s.rows("dwing", "fitness")]
-    s.hold(max(fitness) < 30.0, f"D-Wing's fitness stays below 30: {max(fitness):.1f}")
-    s.verdict("dwing", "all fitness values")
+    fitness = [float(r["fitness_seed"]) for r in s.rows("dwing", "fitness-built-in")]
+    s.hold(max(fitness) < 30.0, f"D-Wing's fitness stays below 30 as built in: {max(fitness):.1f}")
     s.verdict("sparse", "scans far apart need cells of 4000 mm")
 
 

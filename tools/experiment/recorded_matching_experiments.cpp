@@ -28,8 +28,8 @@ std::vector<double> fitness_of(const Evidence& evidence, const Run& run) {
   return seed_fitness(evidence.output(run.name).matches, self_scores(evidence.scene(run.name).log, run.params));
 }
 
-Table fitness_table(std::span<const MatchRow> matches, std::span<const double> fitness) {
-  Table table{"fitness", {"scan", "dx_m", "dy_m", "dyaw_rad", "fitness", "fitness_seed"}, {}};
+Table fitness_table(const std::string& name, std::span<const MatchRow> matches, std::span<const double> fitness) {
+  Table table{name, {"scan", "dx_m", "dy_m", "dyaw_rad", "fitness", "fitness_seed"}, {}};
   for (std::size_t i = 0; i < matches.size(); ++i) {
     const Pose2& motion = matches[i].reference_T_scan;
     table.rows.push_back({static_cast<double>(matches[i].index), motion.x_m, motion.y_m, motion.yaw_rad,
@@ -68,7 +68,8 @@ Findings log_findings(const Evidence& evidence, const std::string& first, const 
                        .columns = 2,
                        .panels = {map_by_matches(evidence, seed, "the seed's setting"),
                                   map_by_matches(evidence, ours, "as built in")}}};
-  findings.tables = {fitness_table(evidence.output(seed.name).matches, fitness)};
+  findings.tables = {fitness_table("fitness", evidence.output(seed.name).matches, fitness),
+                     fitness_table("fitness-built-in", evidence.output(ours.name).matches, fitness_of(evidence, ours))};
   return findings;
 }
 
@@ -133,7 +134,7 @@ Findings conclude_sparse(const Evidence& evidence) {
       {.name = "figure-5.18",
        .caption = "Figure 5.18: map after a second try of what matched poorly",
        .panels = {map_by_matches(evidence, runs[kSecondTryWide], kLabels[kSecondTryWide])}}};
-  findings.tables = {fitness_table(evidence.output(runs[kSmallCells].name).matches, small)};
+  findings.tables = {fitness_table("fitness", evidence.output(runs[kSmallCells].name).matches, small)};
   findings.claims = {
       sparse_scans_match_poorly(small), wide_cells_ease_convergence(summaries[kSmallCells], summaries[kWideCells]),
       second_try_needs_wide_cells(summaries[kNoSecondTry], summaries[kSecondTrySmall], summaries[kSecondTryWide])};
