@@ -43,7 +43,7 @@ class Hslam {
   void reset(const Pose2& map_T_scan);
 
   /// Puts every particle here; maps and paths stay. Only when idle.
-  void set_pose(const Pose2& map_T_scan);
+  void set_pose(const Pose2& map_T_scan, const PoseSpread& spread = {});
 
   /// Takes on a segment, which must not change until `idle`. Only when idle.
   void begin(const Segment& segment);
@@ -57,7 +57,9 @@ class Hslam {
   /// The heaviest particle, where it was at the end of the last finished segment.
   [[nodiscard]] const Pose2& best_pose() const { return best_pose_; }
   [[nodiscard]] const ParticleMaps& particles() const { return particles_; }
-  /// The heaviest particle's map. May allocate, in `map` alone.
+  /// The heaviest particle's map, to look things up in.
+  [[nodiscard]] AncestryGrid::View map() { return particles_.grid().view(particles_.best()); }
+  /// The same as occupancies. May allocate, in `map` alone.
   void write_occupancy(OccupancyMap& map) {
     particles_.grid().write_occupancy(particles_.best(), params_.beam.rho_min_m, map);
   }

@@ -42,9 +42,9 @@ void Lslam::set_particles(int wanted) {
   wanted_particles_ = wanted;
 }
 
-void Lslam::set_pose(const Pose2& map_T_scan) {
+void Lslam::set_pose(const Pose2& map_T_scan, const PoseSpread& spread) {
   ODOLESS_CHECK(is_finite(map_T_scan));
-  particles_.set_pose(map_T_scan);
+  particles_.set_pose(map_T_scan, spread, rng_);
   std::fill(errors_.begin(), errors_.end(), DrawnError{});
 }
 

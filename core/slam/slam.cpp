@@ -35,13 +35,24 @@ void Slam::reset(const Pose2& map_T_scan) {
   }
 }
 
-void Slam::set_pose(const Pose2& map_T_scan) {
+void Slam::set_pose(const Pose2& map_T_scan, const PoseSpread& spread) {
   if (high_) {
     finish();
-    high_->set_pose(map_T_scan);  // the low level goes on in its own frame, whose place in the map is now another
+    high_->set_pose(map_T_scan, spread);  // the low level goes on in its own frame, now placed anew in the map
   } else {
-    low_.set_pose(map_T_scan);
+    low_.set_pose(map_T_scan, spread);
   }
+}
+
+bool Slam::settle() {
+  if (!high_) {
+    return true;
+  }
+  work();
+  if (high_->idle() && segments_[static_cast<std::size_t>(filling_)].size() > 0) {
+    close_segment();
+  }
+  return high_->idle();
 }
 
 UpdateReport Slam::update(const MotionIncrement& increment, const ScanFrame& scan) {
@@ -99,6 +110,12 @@ void Slam::write_occupancy(OccupancyMap& map) {
 bool Slam::write_square(GridCell corner, int side_cells, std::span<std::uint8_t> percent) {
   return has_segments() ? high_->write_square(corner, side_cells, percent)
                         : low_.write_square(corner, side_cells, percent);
+}
+
+AncestryGrid::View Slam::map_view() { return has_segments() ? high_->map() : low_.map(low_.best()); }
+
+const GridGeometry& Slam::map_geometry() const {
+  return has_segments() ? high_->particles().grid().geometry() : low_.geometry();
 }
 
 const GridGeometry& Slam::geometry() const { return high_ ? high_->particles().grid().geometry() : low_.geometry(); }

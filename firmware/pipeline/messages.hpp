@@ -85,7 +85,8 @@ struct FilterReport {
   std::int64_t refused_tiles = 0;
   std::int64_t outside_tiles = 0;
   bool paused = false;
-  bool lost = false;
+  bool doubtful = false;  ///< scans lately did not fit the map
+  bool lost = false;      ///< and it is not known where the robot is in it
 };
 
 }  // namespace odoless
