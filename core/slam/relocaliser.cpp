@@ -48,7 +48,7 @@ void Relocaliser::move(const Pose2& previous_T_current) {
 }
 
 std::optional<Pose2> Relocaliser::process(Slam& slam, const ScanFrame& scan) {
-  const double span_s = this->span_s(scan);
+  const double span_s = since_last_s(scan);
   if (scan.returns() < kReturns_min) {
     return std::nullopt;
   }
@@ -74,7 +74,7 @@ std::size_t Relocaliser::memory_bytes() const {
          2 * sizeof(float) * static_cast<std::size_t>(points_.capacity());
 }
 
-double Relocaliser::span_s(const ScanFrame& scan) {
+double Relocaliser::since_last_s(const ScanFrame& scan) {
   const double span_s = 1e-9 * static_cast<double>(scan.stamp_ns() - stamp_ns_);
   stamp_ns_ = scan.stamp_ns();
   return std::clamp(span_s, kSpan_min_s, kSpan_max_s);

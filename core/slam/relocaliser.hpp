@@ -39,7 +39,7 @@ class Relocaliser {
     double fit_sum = 0.0;
   };
 
-  [[nodiscard]] double span_s(const ScanFrame& scan);
+  [[nodiscard]] double since_last_s(const ScanFrame& scan);
   void start_trial();
   void try_scan(Slam& slam, const ScanFrame& scan);
   void drop_doubles();
