@@ -55,8 +55,8 @@ bool Slam::settle() {
   return high_->idle();
 }
 
-UpdateReport Slam::update(const MotionIncrement& increment, const ScanFrame& scan) {
-  const UpdateReport report = low_.update(increment, scan);
+UpdateReport Slam::update(const MotionIncrement& increment, const ScanFrame& scan, const Deadline& deadline) {
+  const UpdateReport report = low_.update(increment, scan, deadline);
   if (high_) {
     Segment& segment = segments_[static_cast<std::size_t>(filling_)];
     ++updates_unfinished_;

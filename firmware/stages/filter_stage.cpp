@@ -21,7 +21,7 @@ MotionIncrement FilterStage::increment(std::int64_t stamp_ns) const {
   return {update_stamp_ns_, stamp_ns, update_T_scan_, gate_.widen_by_match ? error_ : MotionError{}};
 }
 
-FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step) {
+FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step, const Deadline& deadline) {
   compose(step);
   FilterStep out;
   const Advice advice = diagnose(scan, step);
@@ -30,7 +30,7 @@ FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step)
     restart_increment();  // the particles stand at this scan
   }
   if (!paused_ && advice != Advice::kHold && (out.found || gate_is_open())) {
-    update(scan, out);
+    update(scan, deadline, out);
   }
   if (!recovery_.lost()) {
     filter_.work();
@@ -55,8 +55,8 @@ Advice FilterStage::diagnose(const ScanFrame& scan, const OdometryStep& step) {
                                      .weak_information_1_m2 = step.match.weak_information_1_m2});
 }
 
-void FilterStage::update(const ScanFrame& scan, FilterStep& out) {
-  out.report = filter_.update(increment(scan.stamp_ns()), scan);
+void FilterStage::update(const ScanFrame& scan, const Deadline& deadline, FilterStep& out) {
+  out.report = filter_.update(increment(scan.stamp_ns()), scan, deadline);
   recovery_.note(out.report, filter_.particles());
   out.updated = true;
   started_ = true;

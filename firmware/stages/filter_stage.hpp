@@ -31,7 +31,8 @@ class FilterStage {
  public:
   FilterStage(const RobotParams& params, std::uint64_t seed);
 
-  [[nodiscard]] FilterStep process(const ScanFrame& scan, const OdometryStep& step);
+  /// @param deadline  For a live filter that must keep its time (Lslam::update).
+  [[nodiscard]] FilterStep process(const ScanFrame& scan, const OdometryStep& step, const Deadline& deadline = {});
   /// A motion whose scan was lost: the pose goes on, and the next scan may update the filter.
   [[nodiscard]] FilterStep process(const OdometryStep& step);
 
@@ -59,7 +60,7 @@ class FilterStage {
   [[nodiscard]] bool gate_is_open() const;
   void compose(const OdometryStep& step);
   void restart_increment();
-  void update(const ScanFrame& scan, FilterStep& out);
+  void update(const ScanFrame& scan, const Deadline& deadline, FilterStep& out);
   /// What the filter thinks of its pose, now that it sees this scan.
   [[nodiscard]] Advice diagnose(const ScanFrame& scan, const OdometryStep& step);
   [[nodiscard]] FilterStep placed(FilterStep out, const OdometryStep& step) const;
