@@ -39,7 +39,7 @@ void Hslam::set_pose(const Pose2& map_T_scan, const PoseSpread& spread) {
   best_pose_ = map_T_scan;
 }
 
-void Hslam::begin(const Segment& segment) {
+void Hslam::begin(const RunSegment& segment) {
   ODOLESS_CHECK(idle() && segment.paths() > 0);
   segment_ = &segment;
   before_ = particles_.grid().counters();

@@ -46,7 +46,7 @@ class Hslam {
   void set_pose(const Pose2& map_T_scan, const PoseSpread& spread = {});
 
   /// Takes on a segment, which must not change until `idle`. Only when idle.
-  void begin(const Segment& segment);
+  void begin(const RunSegment& segment);
   /// Goes on for so many particles' worth of work. Returns whether this finished the segment.
   bool work(int particles);
   [[nodiscard]] bool idle() const { return phase_ == Phase::kIdle; }
@@ -97,7 +97,7 @@ class Hslam {
   std::vector<std::vector<Beam>> beams_;  ///< of the scans weighed
   std::vector<int> scans_weighed_;
   int beams_weighed_ = 0;
-  const Segment* segment_ = nullptr;
+  const RunSegment* segment_ = nullptr;
   Eigen::Matrix3d drift_root_ = Eigen::Matrix3d::Zero();  ///< of the drift's covariance, by Cholesky
   Phase phase_ = Phase::kIdle;
   int next_ = 0;

@@ -85,7 +85,7 @@ class Slam {
   SlamParams params_;
   Lslam low_;
   std::optional<Hslam> high_;
-  std::vector<Segment> segments_;  ///< the one that is filled, the one that HSLAM works on
+  std::vector<RunSegment> segments_;  ///< the one that is filled, the one that HSLAM works on
   int filling_ = 0;
   int slices_per_call_ = 0;
   int updates_unfinished_ = 0;  ///< since the end of HSLAM's last segment
