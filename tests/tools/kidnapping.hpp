@@ -29,24 +29,24 @@ struct Kidnapping {
 /// on wherever there is room.
 class KidnappedRobot {
  public:
-  /// @param world  Its path is driven from the start to somewhere in its last part, drawn from the seed.
   KidnappedRobot(const World& world, const RobotParams& params, std::uint64_t seed);
 
-  /// Maps; then carries the robot away and watches it for so long.
-  [[nodiscard]] Kidnapping run(double watched_s);
-
-  [[nodiscard]] FilterStage& filter() { return filter_; }
-  [[nodiscard]] FilterStep scan_from(const Pose2& world_T_robot);
-  /// 3 m and a quarter turn from here, free and known.
-  [[nodiscard]] bool choose_place(const Pose2& world_T_robot, Pose2& world_T_place);
-  /// One period further.
-  [[nodiscard]] Pose2 wander(const Pose2& world_T_robot);
+  /// Goes on along the world's path, and maps, until this share of it is done.
+  void drive_until(double share);
+  /// Carries the robot away, and watches it for so long. A copy of the robot, which can be carried elsewhere, goes on
+  /// by the chance of its own seed.
+  [[nodiscard]] Kidnapping carry_away(std::uint64_t seed, double watched_s);
 
   static constexpr double kPeriod_s = 0.2;
 
  private:
+  [[nodiscard]] FilterStep scan();
+  /// 3 m and a quarter turn from here, free and known.
+  [[nodiscard]] bool choose_place();
+  /// One period further, straight on where there is room.
+  void wander();
   [[nodiscard]] double room_m(const Pose2& world_T_robot, double from_rad, double to_rad) const;
-  [[nodiscard]] bool is_wrong(const Pose2& map_T_scan, const Pose2& world_T_robot) const;
+  [[nodiscard]] bool is_wrong(const Pose2& map_T_scan) const;
 
   World world_;
   Path path_;
@@ -56,6 +56,7 @@ class KidnappedRobot {
   Rng chance_;
   Pose2 world_T_map_;
   std::vector<float> ranges_m_;
+  Pose2 world_T_robot_;
   std::int64_t scans_ = 0;
   double slice_us_ = 0.0;
   std::int64_t heap_calls_ = 0;
