@@ -14,12 +14,18 @@ Recovery::Recovery(const RecoveryParams& params, const ScanParams& scan, const S
 }
 
 void Recovery::reset() {
+  updates_ = 0;
+  trust();
+}
+
+void Recovery::trust() {
   monitor_.reset();
   last_fit_ = 1.0;
   depleted_ = settled_ = false;
 }
 
 void Recovery::note(const UpdateReport& report, int particles) {
+  ++updates_;
   depleted_ = report.effective_particles < params_.tracking.depleted_share * particles;
 }
 
@@ -30,6 +36,9 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
   if (!params_.enabled) {
     return Advice::kGoOn;
   }
+  if (updates_ < params_.tracking.updates_min) {
+    return Advice::kGoOn;
+  }
   return lost() ? look_for_it(slam, tracked) : diagnose(slam, tracked);
 }
 
@@ -38,14 +47,13 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   static_cast<void>(fit_.load(tracked.scan));
   const Pose2 map_T_scan = low.pose(low.best()) * tracked.update_T_scan;
   last_fit_ = fit_.of(low.map(low.best()), low.geometry(), map_T_scan);
-  const bool suspect =
-      depleted_ || !tracked.converged || tracked.weak_information_1_m2 < params_.tracking.weak_information_1_m2;
-  const bool fits = monitor_.add(last_fit_, suspect, tracked.scan.stamp_ns());
+  const bool is_open = tracked.weak_information_1_m2 < params_.tracking.weak_information_1_m2;
+  monitor_.add({.fit = last_fit_, .suspect = depleted_ || is_open, .torn = !tracked.matched}, tracked.scan.stamp_ns());
   if (lost()) {
     relocaliser_.begin(slam.map_T_scan());
     settled_ = false;
   }
-  return fits ? Advice::kGoOn : Advice::kHold;
+  return monitor_.is_trusted() ? Advice::kGoOn : Advice::kHold;
 }
 
 Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
@@ -58,7 +66,7 @@ Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
     return Advice::kHold;
   }
   slam.set_pose(*map_T_scan, {params_.search.spread_m, params_.search.spread_rad});
-  reset();
+  trust();
   return Advice::kFound;
 }
 

@@ -12,7 +12,7 @@ struct TrackedScan {
   const ScanFrame& scan;
   Pose2 update_T_scan;                 ///< from the filter's last update to the scan
   Pose2 previous_T_current;            ///< from the last scan to this one
-  bool converged = true;               ///< the scan's match was good and without a rival
+  bool matched = true;                 ///< in the narrow search, or then in the wide one
   double weak_information_1_m2 = 0.0;  ///< MatchResult's
 };
 
@@ -35,8 +35,10 @@ class Recovery {
  public:
   Recovery(const RecoveryParams& params, const ScanParams& scan, const Slam& slam);
 
-  /// The pose is known, or a new run begins.
+  /// A new run begins.
   void reset();
+  /// The pose is known: somebody said where the robot is.
+  void trust();
   /// What an update of the filter said.
   void note(const UpdateReport& report, int particles);
   /// A motion whose scan was lost.
@@ -61,6 +63,7 @@ class Recovery {
   ScanFit fit_;
   Relocaliser relocaliser_;
   double last_fit_ = 1.0;
+  int updates_ = 0;
   bool depleted_ = false;
   bool settled_ = false;  ///< lost, and the filter's work is done: the map stays as it is
 };

@@ -9,11 +9,14 @@ namespace odoless {
 /// particle's map, from where that particle would have it: 1 if the map explains all of it.
 struct TrackingParams {
   double fit_sigma_m = 0.15;
-  double fit_min = 0.35;
-  double suspect_fit_min = 0.4;
+  double fit_min = 0.15;
+  double suspect_fit_min = 0.2;
   double depleted_share = 0.02;
   double weak_information_1_m2 = 15.0;
+  double torn_fit_min = 0.5;
+  double torn_for_s = 2.0;
   double lost_after_s = 0.7;
+  int updates_min = 20;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -21,14 +24,19 @@ struct TrackingParams {
                 "Deviation of a range from the map at which a beam still half fits.");
     visit.value("fit_min", self.fit_min, Range{0.0, 1.0}, "A scan that fits the map less is not mapped.");
     visit.value("suspect_fit_min", self.suspect_fit_min, Range{0.0, 1.0},
-                "The same for a scan whose match was poor or ambiguous or left one direction open, or while few "
-                "particles matter.");
+                "The same while the scene leaves one direction open, or few particles matter.");
     visit.value("depleted_share", self.depleted_share, Range{0.0, 1.0},
-                "With a smaller share of effective particles after an update the pose is suspect.");
+                "With a smaller share of effective particles after an update few particles matter.");
     visit.value("weak_information_1_m2", self.weak_information_1_m2, Range{0.0, 1e6},
                 "Curvature of the match's fitness along a direction below which the scene leaves it open.");
+    visit.value("torn_fit_min", self.torn_fit_min, Range{0.0, 1.0},
+                "The same after a scan that could not be matched at all: the robot may be anywhere.");
+    visit.value("torn_for_s", self.torn_for_s, Range{0.0, 60.0},
+                "Time after such a scan for which nothing is mapped, and scans must fit so well.");
     visit.value("lost_after_s", self.lost_after_s, Range{0.0, 60.0},
                 "Time of scans that do not fit, less that of scans that do, after which the robot is lost.");
+    visit.value("updates_min", self.updates_min, Range{1, 1'000'000},
+                "Updates of the filter before which its map is too small to be lost in.");
   }
 };
 
@@ -38,10 +46,10 @@ struct RelocaliserParams {
   double evaluations_per_s = 500'000.0;
   double found_fit = 0.6;
   double rival_ratio = 0.9;
-  double found_after_s = 1.0;
+  double found_after_s = 1.5;
   double give_up_after_s = 4.0;
-  double spread_m = 0.1;
-  double spread_rad = 0.03;
+  double spread_m = 0.05;
+  double spread_rad = 0.015;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {

@@ -51,7 +51,7 @@ Advice FilterStage::diagnose(const ScanFrame& scan, const OdometryStep& step) {
   return recovery_.process(filter_, {.scan = scan,
                                      .update_T_scan = update_T_scan_,
                                      .previous_T_current = step.previous_T_current,
-                                     .converged = step.matched && step.match.converged,
+                                     .matched = step.matched && (step.match.converged || !step.match.escalated),
                                      .weak_information_1_m2 = step.match.weak_information_1_m2});
 }
 
@@ -88,7 +88,7 @@ void FilterStage::reset(const Pose2& map_T_scan) {
 
 void FilterStage::set_pose(const Pose2& map_T_scan) {
   filter_.set_pose(map_T_scan);
-  recovery_.reset();
+  recovery_.trust();
   restart_increment();
 }
 

@@ -52,6 +52,7 @@ void KidnappedRobot::drive_until(double share) {
 Kidnapping KidnappedRobot::carry_away(std::uint64_t seed, double watched_s) {
   chance_ = Rng(seed, 18);
   Kidnapping out;
+  world_T_map_ = world_T_robot_ * map_T_scan_.inverse();
   if (filter_.tracking() != Tracking::kSure || !choose_place()) {
     return out;
   }
@@ -97,6 +98,7 @@ FilterStep KidnappedRobot::scan() {
   const FilterStep out = filter_.process(frame_, step);
   slice_us_ = static_cast<double>(thread_cpu_ns() - before_ns) * 1e-3;
   heap_calls_ += guard.calls();
+  map_T_scan_ = out.map_T_scan;
   return out;
 }
 

@@ -54,7 +54,8 @@ class KidnappedRobot {
   FilterStage filter_;
   ScanFrame frame_;
   Rng chance_;
-  Pose2 world_T_map_;
+  Pose2 world_T_map_;  ///< as the map has it: its first metres may be off of the rest
+  Pose2 map_T_scan_;
   std::vector<float> ranges_m_;
   Pose2 world_T_robot_;
   std::int64_t scans_ = 0;
