@@ -13,8 +13,8 @@ struct TrackingParams {
   double suspect_fit_min = 0.2;
   double depleted_share = 0.02;
   double weak_information_1_m2 = 15.0;
-  double torn_fit_min = 0.5;
-  double torn_for_s = 2.0;
+  double torn_fit_min = 0.6;
+  double torn_for_s = 3.0;
   double lost_after_s = 0.7;
   int updates_min = 20;
 
@@ -32,7 +32,7 @@ struct TrackingParams {
     visit.value("torn_fit_min", self.torn_fit_min, Range{0.0, 1.0},
                 "The same after a scan that could not be matched at all: the robot may be anywhere.");
     visit.value("torn_for_s", self.torn_for_s, Range{0.0, 60.0},
-                "Time after such a scan for which nothing is mapped, and scans must fit so well.");
+                "Time for which scans must then fit so well, one after the other, before any is mapped again.");
     visit.value("lost_after_s", self.lost_after_s, Range{0.0, 60.0},
                 "Time of scans that do not fit, less that of scans that do, after which the robot is lost.");
     visit.value("updates_min", self.updates_min, Range{1, 1'000'000},

@@ -35,8 +35,9 @@ class TrackingMonitor {
         started_ ? std::clamp(1e-9 * static_cast<double>(stamp_ns - stamp_ns_), kSpan_min_s, kSpan_max_s) : kSpan_min_s;
     stamp_ns_ = stamp_ns;
     started_ = true;
-    torn_s_ = signs.torn ? params_.torn_for_s : std::max(0.0, torn_s_ - span_s);
     fits_ = signs.fit >= bar(signs);
+    const bool torn_anew = signs.torn || (torn_s_ > 0.0 && !fits_);
+    torn_s_ = torn_anew ? params_.torn_for_s : std::max(0.0, torn_s_ - span_s);
     poor_s_ = std::clamp(poor_s_ + (fits_ ? -span_s : span_s), 0.0, params_.lost_after_s);
     poor_scans_ = fits_ ? std::max(0, poor_scans_ - 1) : std::min(kPoor_scans, poor_scans_ + 1);
     lost_ = lost_ || (poor_s_ >= params_.lost_after_s && poor_scans_ == kPoor_scans);
@@ -58,7 +59,7 @@ class TrackingMonitor {
   static constexpr int kPoor_scans = 3;         // at least
 
   [[nodiscard]] double bar(const TrackingSigns& signs) const {
-    if (torn_s_ > 0.0) {
+    if (signs.torn || torn_s_ > 0.0) {
       return params_.torn_fit_min;
     }
     return signs.suspect ? params_.suspect_fit_min : params_.fit_min;
