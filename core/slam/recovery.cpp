@@ -48,7 +48,11 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   const Pose2 map_T_scan = low.pose(low.best()) * tracked.update_T_scan;
   last_fit_ = fit_.of(low.map(low.best()), low.geometry(), map_T_scan);
   const bool is_open = tracked.weak_information_1_m2 < params_.tracking.weak_information_1_m2;
-  monitor_.add({.fit = last_fit_, .suspect = depleted_ || is_open, .torn = !tracked.matched}, tracked.scan.stamp_ns());
+  monitor_.add({.fit = last_fit_,
+                .suspect = depleted_ || is_open,
+                .carried = tracked.matched && tracked.escalated,
+                .torn = !tracked.matched},
+               tracked.scan.stamp_ns());
   if (lost()) {
     relocaliser_.begin(slam.map_T_scan());
     settled_ = false;

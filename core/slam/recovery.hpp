@@ -13,6 +13,7 @@ struct TrackedScan {
   Pose2 update_T_scan;                 ///< from the filter's last update to the scan
   Pose2 previous_T_current;            ///< from the last scan to this one
   bool matched = true;                 ///< in the narrow search, or then in the wide one
+  bool escalated = false;              ///< not in the narrow one
   double weak_information_1_m2 = 0.0;  ///< MatchResult's
 };
 

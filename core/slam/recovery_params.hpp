@@ -45,8 +45,8 @@ struct RelocaliserParams {
   GlobalSearchParams global;
   double evaluations_per_s = 500'000.0;
   double found_fit = 0.6;
-  double rival_ratio = 0.9;
-  double found_after_s = 1.5;
+  double rival_ratio = 0.85;
+  double found_after_s = 2.0;
   double give_up_after_s = 4.0;
   double spread_m = 0.05;
   double spread_rad = 0.015;

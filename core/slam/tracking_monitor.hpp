@@ -18,6 +18,7 @@ enum class Tracking : std::uint8_t {
 struct TrackingSigns {
   double fit = 1.0;      ///< ScanFit's, in the best particle's map
   bool suspect = false;  ///< the scene leaves one direction open, or few particles matter
+  bool carried = false;  ///< the scan matched the ones before only farther away than a robot moves by itself
   bool torn = false;     ///< the scan did not match the ones before: what was known of the pose ends there
 };
 
@@ -40,7 +41,7 @@ class TrackingMonitor {
     torn_s_ = torn_anew ? params_.torn_for_s : std::max(0.0, torn_s_ - span_s);
     poor_s_ = std::clamp(poor_s_ + (fits_ ? -span_s : span_s), 0.0, params_.lost_after_s);
     poor_scans_ = fits_ ? std::max(0, poor_scans_ - 1) : std::min(kPoor_scans, poor_scans_ + 1);
-    lost_ = lost_ || (poor_s_ >= params_.lost_after_s && poor_scans_ == kPoor_scans);
+    lost_ = lost_ || signs.carried || (poor_s_ >= params_.lost_after_s && poor_scans_ == kPoor_scans);
   }
 
   /// Whether the last scan may be mapped.

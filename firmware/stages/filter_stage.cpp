@@ -52,6 +52,7 @@ Advice FilterStage::diagnose(const ScanFrame& scan, const OdometryStep& step) {
                                      .update_T_scan = update_T_scan_,
                                      .previous_T_current = step.previous_T_current,
                                      .matched = step.matched && (step.match.converged || !step.match.escalated),
+                                     .escalated = step.match.escalated,
                                      .weak_information_1_m2 = step.match.weak_information_1_m2});
 }
 

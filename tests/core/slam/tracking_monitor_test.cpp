@@ -75,6 +75,12 @@ TEST_F(TrackingMonitorTest, SuspicionRaisesTheBar) {
   EXPECT_EQ(monitor_.state(), Tracking::kLost);
 }
 
+TEST_F(TrackingMonitorTest, ARobotThatWasCarriedIsLostAtOnceHoweverWellTheScanFits) {
+  scans(10, kGood);
+  scans(1, {.fit = kGood.fit, .carried = true});
+  EXPECT_EQ(monitor_.state(), Tracking::kLost);
+}
+
 TEST_F(TrackingMonitorTest, AfterAScanThatMatchesNothingScansMustFitWell) {
   scans(1, {.fit = kPassable.fit, .torn = true});
   scans(20, kPassable);
