@@ -53,12 +53,13 @@ std::span<const double> SimulatedLrf::sweep(const World& world, const Path& path
   Pose2 world_T_scan = path.at(time_s);
   for (std::size_t i = 0; i < ranges_m_.size(); ++i) {
     const auto beam = static_cast<double>(i);
+    const double beam_s = time_s + beam * step_s;
     if (params_.distortion) {
-      world_T_scan = path.at(time_s + beam * step_s);
+      world_T_scan = path.at(beam_s);
     }
     const double angle_rad = world_T_scan.yaw_rad + start_angle_rad() + beam * angle_step_rad_;
     const Point2 origin{world_T_scan.x_m, world_T_scan.y_m};
-    ranges_m_[i] = measured_m(cast_ray_m(world, origin, {std::cos(angle_rad), std::sin(angle_rad)}));
+    ranges_m_[i] = measured_m(cast_ray_m(world, beam_s, origin, {std::cos(angle_rad), std::sin(angle_rad)}));
   }
   return ranges_m_;
 }

@@ -1,5 +1,6 @@
 #include "tools/sim/world.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -9,6 +10,8 @@ namespace {
 Point2 along(const Segment& wall, double share) {
   return {wall.a.x_m + share * (wall.b.x_m - wall.a.x_m), wall.a.y_m + share * (wall.b.y_m - wall.a.y_m)};
 }
+
+double distance_m(const Point2& a, const Point2& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
 }  // namespace
 
@@ -20,6 +23,24 @@ std::vector<Segment> rectangle(const Pose2& world_T_rectangle, double width_m, d
     corner = world_T_rectangle * corner;
   }
   return {{corners[0], corners[1]}, {corners[1], corners[2]}, {corners[2], corners[3]}, {corners[3], corners[0]}};
+}
+
+Pillar at_time(const Walker& walker, double time_s) {
+  const std::vector<Point2>& points = walker.waypoints;
+  double length_m = 0.0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    length_m += distance_m(points[i - 1], points[i]);
+  }
+  const double way_m = std::fmod(std::max(0.0, time_s) * walker.speed_mps, 2.0 * length_m);
+  double left_m = way_m <= length_m ? way_m : 2.0 * length_m - way_m;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double leg_m = distance_m(points[i - 1], points[i]);
+    if (left_m <= leg_m) {
+      return {along({points[i - 1], points[i]}, left_m / leg_m), walker.radius_m};
+    }
+    left_m -= leg_m;
+  }
+  return {points.back(), walker.radius_m};
 }
 
 std::vector<Segment> without_disc(const Segment& wall, const Point2& centre, double radius_m) {

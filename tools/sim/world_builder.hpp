@@ -24,6 +24,7 @@ class WorldBuilder {
   /// Doors don't open furniture.
   void add_furniture(const Segment& side) { furniture_.push_back(side); }
   void add_pillar(const Pillar& pillar) { world_.pillars.push_back(pillar); }
+  void add_walker(const Walker& walker) { world_.walkers.push_back(walker); }
   void add_door(const Point2& centre, double width_m) { doors_.push_back({centre, width_m / 2.0, line_}); }
   void add_waypoint(const Point2& position);
 
