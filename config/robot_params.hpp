@@ -3,6 +3,7 @@
 #include "core/match/matcher_params.hpp"
 #include "core/odometry/laser_odometry.hpp"
 #include "core/scan/scan_frame.hpp"
+#include "core/slam/recovery_params.hpp"
 #include "core/slam/slam_params.hpp"
 
 namespace odoless {
@@ -28,6 +29,7 @@ struct RobotParams {
   LaserOdometryParams odometry;
   GateParams gate;
   SlamParams slam;
+  RecoveryParams recovery;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -36,6 +38,7 @@ struct RobotParams {
     visit.group("odometry", self.odometry, "Tracking from scan to scan against a local map.");
     visit.group("gate", self.gate, "When the filter is updated.");
     visit.group("slam", self.slam, "DP-SLAM.");
+    visit.group("recovery", self.recovery, "Self-diagnosis, and the search for a robot that is lost.");
   }
 };
 

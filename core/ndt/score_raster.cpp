@@ -38,6 +38,15 @@ ODOLESS_HOT void add_gaussian_row(std::int16_t* row, int count, const RowGaussia
   }
 }
 
+ODOLESS_HOT void raise_to_gaussian_row(std::int16_t* row, int count, const RowGaussian g) {
+  constexpr auto kScale = static_cast<float>(ScoreRaster::kUnit);
+  for (int i = 0; i < count; ++i) {
+    const float u = g.u0 + static_cast<float>(i) * g.du;
+    const float value = kScale * fast_exp_of_minus(0.5F * (g.a * u * u + g.c));
+    row[i] = std::max(row[i], static_cast<std::int16_t>(2 * static_cast<std::int16_t>(0.5F * value)));
+  }
+}
+
 ODOLESS_HOT void mark_free_row(std::int16_t* row, int count, int penalty_1024ths) {
   constexpr int kFull = static_cast<int>(ScoreRaster::kUnit);
   for (int i = 0; i < count; ++i) {
@@ -115,6 +124,47 @@ void ScoreRaster::paint_cell(const Ndt::PlacedCell& placed, double side_m, doubl
                       .b = static_cast<float>(b.xy * v),
                       .c = static_cast<float>(b.yy * v * v)});
   }
+}
+
+void ScoreRaster::clear() { std::fill(pixels_.begin(), pixels_.end(), std::int16_t{0}); }
+
+void ScoreRaster::stamp(const Point2& p_reference) {
+  const Point2 p_px = in_pixels(p_reference);
+  const double reach_px = kReach_sigmas * params_.sigma_min_m * inverse_resolution_;
+  const auto first_px = [&](double at_px) { return std::max(1, static_cast<int>(std::ceil(at_px - reach_px - 0.5))); };
+  const auto end_px = [&](double at_px) {
+    return std::min(side_px_ - 1, static_cast<int>(std::floor(std::min<double>(at_px + reach_px, side_px_) - 0.5)) + 1);
+  };
+  if (!(p_px.x_m > -reach_px && p_px.y_m > -reach_px && p_px.x_m < side_px_ + reach_px &&
+        p_px.y_m < side_px_ + reach_px)) {
+    return;
+  }
+  const int left = first_px(p_px.x_m);
+  const int right = end_px(p_px.x_m);
+  const double px_per_sigma = params_.sigma_min_m * inverse_resolution_;
+  const auto a = static_cast<float>(1.0 / (px_per_sigma * px_per_sigma));
+  for (int row = first_px(p_px.y_m); row < end_px(p_px.y_m) && left < right; ++row) {
+    const auto v = static_cast<float>(row + 0.5 - p_px.y_m);
+    raise_to_gaussian_row(
+        &pixels_[static_cast<std::size_t>(row) * static_cast<std::size_t>(side_px_) + static_cast<std::size_t>(left)],
+        right - left, {.u0 = static_cast<float>(left + 0.5 - p_px.x_m), .du = 1.0F, .a = a, .b = 0.0F, .c = a * v * v});
+  }
+}
+
+void ScoreRaster::mark_free(const Point2& p_reference, double penalty) {
+  const Point2 p_px = in_pixels(p_reference);
+  if (p_px.x_m >= 1.0 && p_px.y_m >= 1.0 && p_px.x_m < side_px_ - 1 && p_px.y_m < side_px_ - 1) {
+    const auto left = std::floor(p_px.x_m);
+    mark_span(static_cast<int>(p_px.y_m), left, left + 1.0, penalty);
+  }
+}
+
+bool ScoreRaster::is_free(const Point2& p_reference) const {
+  const Point2 p_px = in_pixels(p_reference);
+  return p_px.x_m >= 1.0 && p_px.y_m >= 1.0 && p_px.x_m < side_px_ - 1 && p_px.y_m < side_px_ - 1 &&
+         (pixels_[static_cast<std::size_t>(p_px.y_m) * static_cast<std::size_t>(side_px_) +
+                  static_cast<std::size_t>(p_px.x_m)] &
+          kFreeBit) != 0;
 }
 
 void ScoreRaster::mark_free(const ScanFrame& scan, const Pose2& reference_T_scan, double margin_m, double penalty) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -44,6 +45,16 @@ class ScoreRaster {
   /// less than a pixel; of a scan with more than a turn, the first turn counts.
   void mark_free(const ScanFrame& scan, const Pose2& reference_T_scan, double margin_m, double penalty);
 
+  /// Empties it, to be filled from a map: every `stamp` before the first `mark_free`.
+  void clear();
+  /// A point of a wall: the pixels near it score at least exp(-d^2 / 2 sigma^2) at the distance d from it, sigma being
+  /// `sigma_min_m`.
+  void stamp(const Point2& p_reference);
+  /// The pixel at a point is free: it scores as `mark_free` of a scan has it.
+  void mark_free(const Point2& p_reference, double penalty);
+  /// Whether the pixel at a point was marked as free.
+  [[nodiscard]] bool is_free(const Point2& p_reference) const;
+
   /// Sum over the points (x_m[i], y_m[i]), moved by `reference_T_points`, in units of a perfect point.
   /// The spans have one size.
   [[nodiscard]] double score(std::span<const float> x_m, std::span<const float> y_m,
@@ -53,6 +64,7 @@ class ScoreRaster {
   [[nodiscard]] double at(const Point2& p_reference) const;
 
   [[nodiscard]] const RasterParams& params() const { return params_; }
+  [[nodiscard]] std::size_t memory_bytes() const { return pixels_.capacity() * sizeof(std::int16_t); }
 
  private:
   /// A part of a disc within the half plane y >= 0, as seen from its apex.
@@ -62,6 +74,11 @@ class ScoreRaster {
     double radius_m;
   };
 
+  /// Of a point, in pixels from the lower-left corner.
+  [[nodiscard]] Point2 in_pixels(const Point2& p_reference) const {
+    return {p_reference.x_m * inverse_resolution_ + 0.5 * side_px_,
+            p_reference.y_m * inverse_resolution_ + 0.5 * side_px_};
+  }
   void paint_cell(const Ndt::PlacedCell& placed, double side_m, double sigma_ratio_min);
   void mark_wedge(double start_rad, double end_rad, double radius_m, const Point2& apex, double penalty);
   void mark_half_wedge(const HalfWedge& wedge, const Point2& apex, double mirror, double penalty);

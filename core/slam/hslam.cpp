@@ -33,13 +33,13 @@ void Hslam::reset(const Pose2& map_T_scan) {
   started_ = pool_was_full_ = false;
 }
 
-void Hslam::set_pose(const Pose2& map_T_scan) {
+void Hslam::set_pose(const Pose2& map_T_scan, const PoseSpread& spread) {
   ODOLESS_CHECK(idle());
-  particles_.set_pose(map_T_scan);
+  particles_.set_pose(map_T_scan, spread, rng_);
   best_pose_ = map_T_scan;
 }
 
-void Hslam::begin(const Segment& segment) {
+void Hslam::begin(const RunSegment& segment) {
   ODOLESS_CHECK(idle() && segment.paths() > 0);
   segment_ = &segment;
   before_ = particles_.grid().counters();

@@ -43,10 +43,10 @@ class Hslam {
   void reset(const Pose2& map_T_scan);
 
   /// Puts every particle here; maps and paths stay. Only when idle.
-  void set_pose(const Pose2& map_T_scan);
+  void set_pose(const Pose2& map_T_scan, const PoseSpread& spread = {});
 
   /// Takes on a segment, which must not change until `idle`. Only when idle.
-  void begin(const Segment& segment);
+  void begin(const RunSegment& segment);
   /// Goes on for so many particles' worth of work. Returns whether this finished the segment.
   bool work(int particles);
   [[nodiscard]] bool idle() const { return phase_ == Phase::kIdle; }
@@ -57,7 +57,9 @@ class Hslam {
   /// The heaviest particle, where it was at the end of the last finished segment.
   [[nodiscard]] const Pose2& best_pose() const { return best_pose_; }
   [[nodiscard]] const ParticleMaps& particles() const { return particles_; }
-  /// The heaviest particle's map. May allocate, in `map` alone.
+  /// The heaviest particle's map, to look things up in.
+  [[nodiscard]] AncestryGrid::View map() { return particles_.grid().view(particles_.best()); }
+  /// The same as occupancies. May allocate, in `map` alone.
   void write_occupancy(OccupancyMap& map) {
     particles_.grid().write_occupancy(particles_.best(), params_.beam.rho_min_m, map);
   }
@@ -95,7 +97,7 @@ class Hslam {
   std::vector<std::vector<Beam>> beams_;  ///< of the scans weighed
   std::vector<int> scans_weighed_;
   int beams_weighed_ = 0;
-  const Segment* segment_ = nullptr;
+  const RunSegment* segment_ = nullptr;
   Eigen::Matrix3d drift_root_ = Eigen::Matrix3d::Zero();  ///< of the drift's covariance, by Cholesky
   Phase phase_ = Phase::kIdle;
   int next_ = 0;

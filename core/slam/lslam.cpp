@@ -42,10 +42,11 @@ void Lslam::set_particles(int wanted) {
   wanted_particles_ = wanted;
 }
 
-void Lslam::set_pose(const Pose2& map_T_scan) {
+void Lslam::set_pose(const Pose2& map_T_scan, const PoseSpread& spread) {
   ODOLESS_CHECK(is_finite(map_T_scan));
-  particles_.set_pose(map_T_scan);
+  particles_.set_pose(map_T_scan, spread, rng_);
   std::fill(errors_.begin(), errors_.end(), DrawnError{});
+  speed_.reset();  // of the motion before: it promises nothing for the time in between
 }
 
 UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& scan, const Deadline& deadline) {

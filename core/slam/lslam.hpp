@@ -66,7 +66,7 @@ class Lslam {
   void reset(const Pose2& map_T_scan);
 
   /// Puts every particle here; maps and paths stay.
-  void set_pose(const Pose2& map_T_scan);
+  void set_pose(const Pose2& map_T_scan, const PoseSpread& spread = {});
 
   /// @param increment  From the scan of the last update to this one; ignored in the first. Finite.
   [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan,

@@ -31,6 +31,17 @@ void ParticleMaps::reset(const Pose2& map_T_scan) {
   best_ = 0;
 }
 
+void ParticleMaps::set_pose(const Pose2& map_T_scan, const PoseSpread& spread, Rng& rng) {
+  std::fill(poses_.begin(), poses_.end(), map_T_scan);
+  if (spread.sd_m > 0.0 || spread.sd_rad > 0.0) {
+    for (Pose2& pose : living(poses_)) {
+      const double x_m = spread.sd_m * rng.normal();
+      const double y_m = spread.sd_m * rng.normal();
+      pose = map_T_scan * Pose2{x_m, y_m, spread.sd_rad * rng.normal()};
+    }
+  }
+}
+
 double ParticleMaps::effective() const {
   return effective_particles(std::span(weights_).first(static_cast<std::size_t>(size())));
 }

@@ -13,6 +13,12 @@
 
 namespace odoless {
 
+/// Deviations of poses around one.
+struct PoseSpread {
+  double sd_m = 0.0;
+  double sd_rad = 0.0;
+};
+
 /// Particles of pose, weight, map and path: what both levels of the filter are made of [eliazar2003dpslam].
 ///
 /// A step of a filter moves the poses, adds to the log-weights, calls `normalise`, then either leaves it at that or
@@ -29,8 +35,8 @@ class ParticleMaps {
 
   /// One particle at this pose, nothing observed.
   void reset(const Pose2& map_T_scan);
-  /// Puts every particle here; weights, maps and paths stay.
-  void set_pose(const Pose2& map_T_scan) { std::fill(poses_.begin(), poses_.end(), map_T_scan); }
+  /// Puts every particle here, give or take the spread; weights, maps and paths stay. Draws nothing without a spread.
+  void set_pose(const Pose2& map_T_scan, const PoseSpread& spread, Rng& rng);
 
   [[nodiscard]] int size() const { return grid_.tree().particles(); }
   [[nodiscard]] int capacity() const { return static_cast<int>(poses_.size()); }

@@ -63,16 +63,23 @@ inline void select_beams(const ScanFrame& scan, int beams_max, bool with_no_retu
   }
 }
 
+/// Likelihood of one beam from the caster's pose in one map.
+template <class Map>
+[[nodiscard]] float likelihood(const BeamModel& model, const BeamCaster& caster, Map& map, const Beam& beam,
+                               double cells_per_m) {
+  const auto range_cells = static_cast<float>(beam.range_m * cells_per_m);
+  const double reach_m = beam.stopped ? model.reach_cells() / cells_per_m : 0.0;
+  const GridWalk walk = caster.walk(beam.direction, beam.range_m + reach_m);
+  return beam.stopped ? model.likelihood(map, walk, range_cells) : model.likelihood_of_passing(map, walk);
+}
+
 /// Log-likelihood of the beams, taken for independent, from one pose in one map.
 template <class Map>
 [[nodiscard]] double log_likelihood(const BeamModel& model, const BeamCaster& caster, Map& map,
                                     std::span<const Beam> beams, double cells_per_m) {
   double sum = 0.0;
   for (const Beam& beam : beams) {
-    const auto range_cells = static_cast<float>(beam.range_m * cells_per_m);
-    const double reach_m = beam.stopped ? model.reach_cells() / cells_per_m : 0.0;
-    const GridWalk walk = caster.walk(beam.direction, beam.range_m + reach_m);
-    sum += std::log(beam.stopped ? model.likelihood(map, walk, range_cells) : model.likelihood_of_passing(map, walk));
+    sum += std::log(likelihood(model, caster, map, beam, cells_per_m));
   }
   return sum;
 }

@@ -6,20 +6,20 @@
 
 namespace odoless {
 
-Segment::Segment(const DriftParams& drift, int scans_max, int low_particles_max, const ScanParams& scan)
+RunSegment::RunSegment(const DriftParams& drift, int scans_max, int low_particles_max, const ScanParams& scan)
     : drift_(drift),
       scans_(static_cast<std::size_t>(scans_max), ScanFrame(scan)),
       start_T_scans_(static_cast<std::size_t>(scans_max) * static_cast<std::size_t>(low_particles_max)),
       path_weights_(static_cast<std::size_t>(low_particles_max)),
       last_(static_cast<std::size_t>(scans_max) + 1) {}
 
-void Segment::clear() {
+void RunSegment::clear() {
   size_ = paths_ = 0;
   start_T_last_ = Pose2{};
   covariance_.setZero();
 }
 
-void Segment::add(const MotionIncrement& increment, const ScanFrame& scan) {
+void RunSegment::add(const MotionIncrement& increment, const ScanFrame& scan) {
   ODOLESS_CHECK(!full());
   scans_[static_cast<std::size_t>(size_++)] = scan;
   const Pose2 start_T_next = start_T_last_ * increment.previous_T_current;
@@ -44,7 +44,7 @@ void Segment::add(const MotionIncrement& increment, const ScanFrame& scan) {
   start_T_last_ = start_T_next;
 }
 
-void Segment::close(const Lslam& low) {
+void RunSegment::close(const Lslam& low) {
   ODOLESS_CHECK(size_ > 0);
   paths_ = low.particles();
   for (int path = 0; path < paths_; ++path) {
@@ -62,13 +62,13 @@ void Segment::close(const Lslam& low) {
   }
 }
 
-Pose2 Segment::scan_pose(int path, int index, const Eigen::Vector3d& drift) const {
+Pose2 RunSegment::scan_pose(int path, int index, const Eigen::Vector3d& drift) const {
   const Pose2& pose = start_T_scans_[static_cast<std::size_t>(path) * scans_.size() + static_cast<std::size_t>(index)];
   const double share = static_cast<double>(index + 1) / size_;
   return {pose.x_m + share * drift.x(), pose.y_m + share * drift.y(), wrap_angle(pose.yaw_rad + share * drift.z())};
 }
 
-std::size_t Segment::memory_bytes() const {
+std::size_t RunSegment::memory_bytes() const {
   std::size_t bytes = start_T_scans_.capacity() * sizeof(Pose2) + path_weights_.capacity() * sizeof(double) +
                       last_.capacity() * sizeof(StampedPose);
   for (const ScanFrame& scan : scans_) {

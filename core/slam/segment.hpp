@@ -17,9 +17,9 @@ namespace odoless {
 ///            segment.
 /// Thread:    owned by one thread.
 /// Real time: no allocation after construction; `close` is linear in low-level particles times scans.
-class Segment {
+class RunSegment {
  public:
-  Segment(const DriftParams& drift, int scans_max, int low_particles_max, const ScanParams& scan);
+  RunSegment(const DriftParams& drift, int scans_max, int low_particles_max, const ScanParams& scan);
 
   void clear();
   /// Takes the scan of an update; not when full.

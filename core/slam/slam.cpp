@@ -21,7 +21,7 @@ Slam::Slam(const SlamParams& params, const ScanParams& scan, std::uint64_t seed)
   }
   const int updates = params.high.segment_updates;
   high_.emplace(params.high, seed);
-  segments_.assign(2, Segment(params.high.drift, updates, params.low.particles, scan));
+  segments_.assign(2, RunSegment(params.high.drift, updates, params.low.particles, scan));
   slices_per_call_ = (high_->slices() + updates - 1) / updates;
   last_.resize(2 * static_cast<std::size_t>(updates) + 1);
 }
@@ -35,19 +35,30 @@ void Slam::reset(const Pose2& map_T_scan) {
   }
 }
 
-void Slam::set_pose(const Pose2& map_T_scan) {
+void Slam::set_pose(const Pose2& map_T_scan, const PoseSpread& spread) {
   if (high_) {
     finish();
-    high_->set_pose(map_T_scan);  // the low level goes on in its own frame, whose place in the map is now another
+    high_->set_pose(map_T_scan, spread);  // the low level goes on in its own frame, now placed anew in the map
   } else {
-    low_.set_pose(map_T_scan);
+    low_.set_pose(map_T_scan, spread);
   }
+}
+
+bool Slam::settle() {
+  if (!high_) {
+    return true;
+  }
+  work();
+  if (high_->idle() && segments_[static_cast<std::size_t>(filling_)].size() > 0) {
+    close_segment();
+  }
+  return high_->idle();
 }
 
 UpdateReport Slam::update(const MotionIncrement& increment, const ScanFrame& scan, const Deadline& deadline) {
   const UpdateReport report = low_.update(increment, scan, deadline);
   if (high_) {
-    Segment& segment = segments_[static_cast<std::size_t>(filling_)];
+    RunSegment& segment = segments_[static_cast<std::size_t>(filling_)];
     ++updates_unfinished_;
     segment.add(updates_unfinished_ == 1 && high_->report().segments == 0 ? MotionIncrement{} : increment, scan);
     if (segment.full()) {
@@ -101,6 +112,12 @@ bool Slam::write_square(GridCell corner, int side_cells, std::span<std::uint8_t>
                         : low_.write_square(corner, side_cells, percent);
 }
 
+AncestryGrid::View Slam::map_view() { return has_segments() ? high_->map() : low_.map(low_.best()); }
+
+const GridGeometry& Slam::map_geometry() const {
+  return has_segments() ? high_->particles().grid().geometry() : low_.geometry();
+}
+
 const GridGeometry& Slam::geometry() const { return high_ ? high_->particles().grid().geometry() : low_.geometry(); }
 
 double Slam::pool_used() const {
@@ -127,7 +144,7 @@ void Slam::write_path(std::vector<StampedPose>& path) const {
 std::size_t Slam::memory_bytes() const {
   std::size_t bytes = sizeof(*this) + low_.memory_bytes() + last_.capacity() * sizeof(StampedPose);
   bytes += high_ ? high_->memory_bytes() : 0;
-  for (const Segment& segment : segments_) {
+  for (const RunSegment& segment : segments_) {
     bytes += segment.memory_bytes();
   }
   return bytes;
@@ -136,7 +153,7 @@ std::size_t Slam::memory_bytes() const {
 /// Whatever HSLAM has not done of the segment before is done now: nothing is left if `work` was called as it should.
 void Slam::close_segment() {
   run(high_->slices());
-  Segment& segment = segments_[static_cast<std::size_t>(filling_)];
+  RunSegment& segment = segments_[static_cast<std::size_t>(filling_)];
   segment.close(low_);
   updates_in_work_ = segment.size();
   high_->begin(segment);

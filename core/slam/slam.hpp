@@ -31,7 +31,10 @@ class Slam {
   void reset(const Pose2& map_T_scan);
   /// Puts every hypothesis here; maps and paths stay. With HSLAM the segment that is being filled ends first, which is
   /// not for real time.
-  void set_pose(const Pose2& map_T_scan);
+  void set_pose(const Pose2& map_T_scan, const PoseSpread& spread = {});
+  /// A slice towards a filter with nothing left to do, so that `set_pose` is for real time: ends the segment that is
+  /// being filled. @return  Whether it is there; the map then stays as it is until the next update.
+  [[nodiscard]] bool settle();
   /// @param increment  From the scan of the last update to this one; ignored in the first.
   /// @param deadline   See Lslam.
   [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan,
@@ -54,6 +57,9 @@ class Slam {
   void write_occupancy(OccupancyMap& map);
   /// A square of that map: AncestryGrid::write_square.
   [[nodiscard]] bool write_square(GridCell corner, int side_cells, std::span<std::uint8_t> percent);
+  /// The same map to look things up in, and where its cells lie.
+  [[nodiscard]] AncestryGrid::View map_view();
+  [[nodiscard]] const GridGeometry& map_geometry() const;
   /// One pose per update, as known now. May allocate. Only when HSLAM is idle, as after `finish`.
   void write_path(std::vector<StampedPose>& path) const;
 
@@ -79,7 +85,7 @@ class Slam {
   SlamParams params_;
   Lslam low_;
   std::optional<Hslam> high_;
-  std::vector<Segment> segments_;  ///< the one that is filled, the one that HSLAM works on
+  std::vector<RunSegment> segments_;  ///< the one that is filled, the one that HSLAM works on
   int filling_ = 0;
   int slices_per_call_ = 0;
   int updates_unfinished_ = 0;  ///< since the end of HSLAM's last segment

@@ -61,7 +61,7 @@ std::uint32_t HealthMonitor::estimate_reasons(const MatcherReport& matcher, cons
   return when(matcher.poor_in_a_row >= params_.poor_matches, kReasonPoorMatch) |
          when(matcher.stage.scans > 1 && matcher.weak_information_1_m2 < params_.weak_information_1_m2,
               kReasonWeakDirection) |
-         when(filter.lost, kReasonDiverged) | when(filter.paused, kReasonPaused) |
+         when(filter.lost || filter.doubtful, kReasonDiverged) | when(filter.paused, kReasonPaused) |
          when(map_refused_.update(map_refused, now_ns, params_.deadline_memory_ns), kReasonMapFull);
 }
 

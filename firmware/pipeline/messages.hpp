@@ -87,7 +87,8 @@ struct FilterReport {
   std::int64_t outside_tiles = 0;
   std::int64_t updates_cut = 0;  ///< ended by their deadline
   bool paused = false;
-  bool lost = false;
+  bool doubtful = false;  ///< scans lately did not fit the map
+  bool lost = false;      ///< and it is not known where the robot is in it
 };
 
 }  // namespace odoless

@@ -3,9 +3,23 @@
 #include <cmath>
 
 namespace odoless {
+namespace {
+
+// Farther than a robot moves by itself from scan to scan, give or take a match's error.
+bool is_leap(const OdometryStep& step) {
+  constexpr double kSpeed_mps = 2.5;
+  constexpr double kTurn_radps = 4.0;
+  constexpr double kError_m = 0.3;
+  constexpr double kError_rad = 0.3;
+  const double period_s = 1e-9 * static_cast<double>(step.to_stamp_ns - step.from_stamp_ns);
+  return step.previous_T_current.distance_m({}) > kError_m + kSpeed_mps * period_s ||
+         std::abs(step.previous_T_current.yaw_rad) > kError_rad + kTurn_radps * period_s;
+}
+
+}  // namespace
 
 FilterStage::FilterStage(const RobotParams& params, std::uint64_t seed)
-    : gate_(params.gate), filter_(params.slam, params.scan, seed) {}
+    : gate_(params.gate), filter_(params.slam, params.scan, seed), recovery_(params.recovery, params.scan, filter_) {}
 
 bool FilterStage::gate_is_open() const {
   return !started_ || std::hypot(update_T_scan_.x_m, update_T_scan_.y_m) >= gate_.distance_m ||
@@ -24,21 +38,50 @@ MotionIncrement FilterStage::increment(std::int64_t stamp_ns) const {
 FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step, const Deadline& deadline) {
   compose(step);
   FilterStep out;
-  if (!paused_ && gate_is_open()) {
-    out.report = filter_.update(increment(scan.stamp_ns()), scan, deadline);
-    out.updated = true;
-    started_ = true;
-    update_stamp_ns_ = scan.stamp_ns();
-    update_T_scan_ = Pose2{};
-    error_ = MotionError{};
+  const Advice advice = diagnose(scan, step);
+  out.found = advice == Advice::kFound;
+  if (out.found) {
+    restart_increment();  // the particles stand at this scan
   }
-  filter_.work();
+  if (!paused_ && advice != Advice::kHold && (out.found || gate_is_open())) {
+    update(scan, deadline, out);
+  }
+  if (!recovery_.lost()) {
+    filter_.work();
+  }
   return placed(out, step);
 }
 
 FilterStep FilterStage::process(const OdometryStep& step) {
   compose(step);
+  recovery_.move(step.previous_T_current);
   return placed({}, step);
+}
+
+Advice FilterStage::diagnose(const ScanFrame& scan, const OdometryStep& step) {
+  if (!started_) {
+    return Advice::kGoOn;
+  }
+  return recovery_.process(filter_, {.scan = scan,
+                                     .update_T_scan = update_T_scan_,
+                                     .previous_T_current = step.previous_T_current,
+                                     .matched = step.matched && (step.match.converged || !step.match.escalated),
+                                     .escalated = step.match.escalated || is_leap(step),
+                                     .weak_information_1_m2 = step.match.weak_information_1_m2});
+}
+
+void FilterStage::update(const ScanFrame& scan, const Deadline& deadline, FilterStep& out) {
+  out.report = filter_.update(increment(scan.stamp_ns()), scan, deadline);
+  recovery_.note(out.report, filter_.particles());
+  out.updated = true;
+  started_ = true;
+  update_stamp_ns_ = scan.stamp_ns();
+  restart_increment();
+}
+
+void FilterStage::restart_increment() {
+  update_T_scan_ = Pose2{};
+  error_ = MotionError{};
 }
 
 FilterStep FilterStage::placed(FilterStep out, const OdometryStep& step) const {
@@ -46,20 +89,22 @@ FilterStep FilterStage::placed(FilterStep out, const OdometryStep& step) const {
   out.update_T_scan = update_T_scan_;
   out.map_T_scan = filter_.estimate().map_T_scan * update_T_scan_;
   out.map_T_odom = out.map_T_scan * step.odom_T_scan.inverse();
+  out.tracking = recovery_.state();
+  out.fit = recovery_.fit();
   return out;
 }
 
 void FilterStage::reset(const Pose2& map_T_scan) {
   filter_.reset(map_T_scan);
-  update_T_scan_ = Pose2{};
-  error_ = MotionError{};
+  recovery_.reset();
+  restart_increment();
   started_ = false;
 }
 
 void FilterStage::set_pose(const Pose2& map_T_scan) {
   filter_.set_pose(map_T_scan);
-  update_T_scan_ = Pose2{};
-  error_ = MotionError{};
+  recovery_.trust();
+  restart_increment();
 }
 
 }  // namespace odoless

@@ -5,6 +5,7 @@
 
 #include "config/robot_params.hpp"
 #include "core/odometry/laser_odometry.hpp"
+#include "core/slam/recovery.hpp"
 #include "core/slam/slam.hpp"
 
 namespace odoless {
@@ -17,10 +18,13 @@ struct FilterStep {
   Pose2 update_T_scan{};             ///< motion since then
   bool updated = false;
   UpdateReport report{};
+  Tracking tracking = Tracking::kSure;
+  bool found = false;  ///< a lost robot, with this scan
+  double fit = 1.0;    ///< ScanFit of the scan; 1 before the first update
 };
 
 /// Motion in, poses and a map out: the filter thread's work. Composes increments and updates the filter when the robot
-/// has moved far enough.
+/// has moved far enough. A robot that is lost maps nothing until it is found.
 ///
 /// Thread: filter thread, or the one thread of a replay. Real time: no allocation after construction.
 class FilterStage {
@@ -50,15 +54,21 @@ class FilterStage {
   void set_particles(int wanted) { filter_.set_particles(wanted); }
 
   [[nodiscard]] Slam& filter() { return filter_; }
+  [[nodiscard]] Tracking tracking() const { return recovery_.state(); }
 
  private:
   [[nodiscard]] bool gate_is_open() const;
   void compose(const OdometryStep& step);
+  void restart_increment();
+  void update(const ScanFrame& scan, const Deadline& deadline, FilterStep& out);
+  /// What the filter thinks of its pose, now that it sees this scan.
+  [[nodiscard]] Advice diagnose(const ScanFrame& scan, const OdometryStep& step);
   [[nodiscard]] FilterStep placed(FilterStep out, const OdometryStep& step) const;
   [[nodiscard]] MotionIncrement increment(std::int64_t stamp_ns) const;
 
   GateParams gate_;
   Slam filter_;
+  Recovery recovery_;
   Pose2 update_T_scan_{};
   MotionError error_{};  ///< of update_T_scan_
   std::int64_t update_stamp_ns_ = 0;

@@ -114,6 +114,8 @@ void FilterLoop::report(const FilterStep& step) {
   }
   report_.pool_used = stage_.filter().pool_used();
   report_.paused = stage_.paused();
+  report_.doubtful = step.tracking == Tracking::kDoubtful;
+  report_.lost = step.tracking == Tracking::kLost;
   meter_.read(report_.stage);
   pipeline_.filter.report.write(report_);
 }

@@ -97,6 +97,11 @@ TEST_F(HealthMonitorTest, AFilterThatIsLostIsLost) {
   expect(HealthState::kLost, kReasonDiverged);
 }
 
+TEST_F(HealthMonitorTest, AFilterThatDoubtsIsToBeUsedWithCare) {
+  filter_.doubtful = true;
+  expect(HealthState::kDegraded, kReasonDiverged);
+}
+
 TEST_F(HealthMonitorTest, AStageThatIsSilentIsAFault) {
   surroundings_.stage_silent = true;
   expect(HealthState::kFault, kReasonStageSilent);

@@ -15,7 +15,7 @@ PlainSegments::PlainSegments(const HslamParams& params, std::uint64_t seed)
   particles_.push_back(Particle{{}, 0.0, PlainMap(grid_), {}});
 }
 
-void PlainSegments::add(const Segment& segment) {
+void PlainSegments::add(const RunSegment& segment) {
   std::vector<int> copies(particles_.size(), params_.particles);
   bool resampled = !started_;
   const Eigen::Matrix3d covariance = segment.drift_covariance() + 1e-12 * Eigen::Matrix3d::Identity();
@@ -50,7 +50,7 @@ void PlainSegments::add(const Segment& segment) {
   started_ = true;
 }
 
-void PlainSegments::move_and_weigh(Particle& particle, const Segment& segment, const Eigen::Matrix3d& drift_root) {
+void PlainSegments::move_and_weigh(Particle& particle, const RunSegment& segment, const Eigen::Matrix3d& drift_root) {
   double left = rng_.uniform();
   particle.drift.setZero();
   particle.segment_path = segment.paths() - 1;
@@ -88,7 +88,7 @@ void PlainSegments::move_and_weigh(Particle& particle, const Segment& segment, c
   particle.log_weight += found.score;
 }
 
-void PlainSegments::map(Particle& particle, const Segment& segment) const {
+void PlainSegments::map(Particle& particle, const RunSegment& segment) const {
   const Pose2 map_T_start = particle.map_T_scan;
   for (int i = 0; i < segment.size(); ++i) {
     particle.map_T_scan = map_T_start * segment.scan_pose(particle.segment_path, i, particle.drift);

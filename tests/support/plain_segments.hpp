@@ -13,7 +13,7 @@ class PlainSegments {
  public:
   PlainSegments(const HslamParams& params, std::uint64_t seed);
 
-  void add(const Segment& segment);
+  void add(const RunSegment& segment);
 
   struct Particle {
     Pose2 map_T_scan;
@@ -28,8 +28,8 @@ class PlainSegments {
   [[nodiscard]] int resamplings() const { return resamplings_; }
 
  private:
-  void move_and_weigh(Particle& particle, const Segment& segment, const Eigen::Matrix3d& drift_root);
-  void map(Particle& particle, const Segment& segment) const;
+  void move_and_weigh(Particle& particle, const RunSegment& segment, const Eigen::Matrix3d& drift_root);
+  void map(Particle& particle, const RunSegment& segment) const;
 
   HslamParams params_;
   GridGeometry grid_;

@@ -89,6 +89,11 @@ void write_replay(const LogJob& job, const ReplayResult& result, nlohmann::order
   write_map_picture(job.out / "map.png", result.map, paths_to_draw(job, result));
   summary["retried_matches"] = result.retried_matches;
   summary["filter_updates"] = result.filter_updates;
+  summary["lost_scans"] = result.lost_scans;
+  summary["relocalisations"] = result.relocalisations;
+  summary["least_fit"] = result.least_fit;
+  summary["scan_mean_us_by_tenth"] = mean_by_tenth(result.scan_cpu_us);
+  summary["rss_bytes_by_tenth"] = result.rss_bytes_by_tenth;
   summary["sha256"] = sha256_of_file(job.out / "trajectory.tum");
   write_summary(job, summary);
 }

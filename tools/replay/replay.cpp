@@ -7,6 +7,7 @@
 #include "firmware/stages/matcher_stage.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
+#include "tools/replay/summary.hpp"
 
 namespace odoless {
 namespace {
@@ -59,6 +60,13 @@ std::vector<StampedPose> final_trajectory(const std::vector<StampedPose>& path, 
   return out;
 }
 
+void count(const FilterStep& step, ReplayResult& result) {
+  const bool lost = step.tracking == Tracking::kLost;
+  result.lost_scans += lost ? 1 : 0;
+  result.relocalisations += step.found ? 1 : 0;
+  result.least_fit = lost ? result.least_fit : std::min(result.least_fit, step.fit);
+}
+
 }  // namespace
 
 ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
@@ -76,6 +84,11 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
     const OdometryStep step = matcher.process(frame);
     const std::int64_t cpu_ns = thread_cpu_ns() - start_ns;
     steps.push_back(filter.process(frame, step));
+    result.scan_cpu_us.push_back(static_cast<double>(thread_cpu_ns() - start_ns) * 1e-3);
+    count(steps.back(), result);
+    if ((i + 1) * 10 / used.size() > i * 10 / used.size()) {
+      result.rss_bytes_by_tenth.push_back(ResourceMeter::rss_bytes());
+    }
     result.filter_updates += steps.back().updated ? 1 : 0;
     updates.push_back(result.filter_updates - 1);
     result.online_trajectory.push_back({frame.stamp_ns(), steps.back().map_T_scan});

@@ -31,11 +31,16 @@ struct ReplayResult {
   int poor_matches = 0;  ///< not converged
   int retried_matches = 0;
   int filter_updates = 0;
+  int lost_scans = 0;                            ///< taken while the robot was lost
+  int relocalisations = 0;                       ///< times that it was found again
+  double least_fit = 1.0;                        ///< worst fit of a scan to the map while it was not lost
+  std::vector<double> scan_cpu_us;               ///< of matcher and filter, one per scan used
+  std::vector<std::int64_t> rss_bytes_by_tenth;  ///< of the process, after each tenth of the scans
   double log_duration_s = 0.0;
 };
 
 /// Runs a log through the stages of the daemon on one thread. The same log, parameters and options give the same
-/// result, but for the times in `matches`.
+/// result, but for times and memory.
 [[nodiscard]] ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
                                   const ReplayProgress& progress);
 

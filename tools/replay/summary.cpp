@@ -1,8 +1,11 @@
 #include "tools/replay/summary.hpp"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
+#include <numeric>
 #include <vector>
 
 #include "rt/cpu_clock.hpp"
@@ -29,6 +32,28 @@ std::int64_t ResourceMeter::peak_rss_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::int64_t ResourceMeter::rss_bytes() {
+  std::int64_t size_pages = 0;
+  std::int64_t resident_pages = 0;
+  std::ifstream("/proc/self/statm") >> size_pages >> resident_pages;
+  return resident_pages * sysconf(_SC_PAGESIZE);
+}
+
+std::vector<double> mean_by_tenth(std::span<const double> values) {
+  constexpr std::size_t kParts = 10;
+  std::vector<double> means;
+  for (std::size_t part = 0; part < kParts; ++part) {
+    const std::size_t begin = values.size() * part / kParts;
+    const std::size_t end = values.size() * (part + 1) / kParts;
+    if (begin < end) {
+      means.push_back(std::accumulate(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                                      values.begin() + static_cast<std::ptrdiff_t>(end), 0.0) /
+                      static_cast<double>(end - begin));
+    }
+  }
+  return means;
 }
 
 nlohmann::ordered_json summarise(std::span<const MatchRow> matches, std::int64_t scans, double log_duration_s,

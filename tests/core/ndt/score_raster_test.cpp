@@ -117,5 +117,39 @@ TEST(ScoreRaster, PaintingAgainForgetsTheOldPicture) {
   }
 }
 
+// From pixel centre to pixel centre: the highest Gaussian of all points, and what is free away from them is penalised.
+TEST(ScoreRaster, OfAMapHoldsTheNearestPointsGaussianAndItsFreeSpace) {
+  constexpr double kFar_m = 3.0;
+  constexpr double kPenalty = 0.6;
+  const RasterParams params{.resolution_m = 0.1, .extent_m = kFar_m, .sigma_min_m = 0.2};
+  ScoreRaster raster(params);
+  Rng rng(6);
+  const PointSet points = random_points(20, kFar_m, rng);
+  for (int i = 0; i < points.size(); ++i) {
+    raster.stamp(points[i]);
+  }
+  raster.stamp({1e30, 0.0});  // far away: nothing happens
+  for (int row = -29; row < 29; ++row) {
+    for (int column = -29; column < 29; ++column) {
+      const Point2 p{(column + 0.5) * params.resolution_m, (row + 0.5) * params.resolution_m};
+      double nearest_m = 1e9;
+      for (int i = 0; i < points.size(); ++i) {
+        nearest_m = std::min(nearest_m, std::hypot(p.x_m - points[i].x_m, p.y_m - points[i].y_m));
+      }
+      const double sigmas = nearest_m / params.sigma_min_m;
+      const double expected = std::exp(-0.5 * sigmas * sigmas);
+      EXPECT_NEAR(raster.at(p), expected, 0.012) << p.x_m << " " << p.y_m;
+      EXPECT_FALSE(raster.is_free(p));
+      const double before = raster.at(p);
+      raster.mark_free(p, kPenalty);
+      raster.mark_free(p, kPenalty);  // twice is once
+      EXPECT_TRUE(raster.is_free(p));
+      EXPECT_NEAR(raster.at(p), before - kPenalty * std::max(0.0, 1.0 - 4.0 * before), 0.002);
+    }
+  }
+  raster.clear();
+  EXPECT_EQ(raster.at(points[0]), 0.0);
+}
+
 }  // namespace
 }  // namespace odoless

@@ -36,7 +36,7 @@ class LowRun {
  public:
   explicit LowRun(int segment_updates = 5) : segment_({}, segment_updates, low_params().particles, kScan) {}
 
-  const Segment& next_segment() {
+  const RunSegment& next_segment() {
     segment_.clear();
     while (!segment_.full()) {
       room_.step();
@@ -52,7 +52,7 @@ class LowRun {
  private:
   SimulatedRoom room_{4, 120};
   Lslam low_{low_params(), 1};
-  Segment segment_;
+  RunSegment segment_;
 };
 
 ::testing::AssertionResult same_pose(const Pose2& a, const Pose2& b) {
@@ -60,10 +60,10 @@ class LowRun {
   return same ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << a.x_m << " is not " << b.x_m;
 }
 
-TEST(Segment, HoldsThePathsOfTheLowLevelAndItsDriftGrowsEvenly) {
+TEST(RunSegment, HoldsThePathsOfTheLowLevelAndItsDriftGrowsEvenly) {
   LowRun run;
   static_cast<void>(run.next_segment());
-  const Segment& segment = run.next_segment();
+  const RunSegment& segment = run.next_segment();
   double weights = 0.0;
   const Eigen::Vector3d drift(0.1, -0.2, 0.05);
   for (int path = 0; path < segment.paths(); ++path) {
@@ -85,7 +85,7 @@ TEST(Segment, HoldsThePathsOfTheLowLevelAndItsDriftGrowsEvenly) {
   EXPECT_GT(covariance.determinant(), 0.0);
 }
 
-TEST(Segment, LongerWaysDriftMore) {
+TEST(RunSegment, LongerWaysDriftMore) {
   LowRun small(3);
   LowRun large(10);
   EXPECT_GT(large.next_segment().drift_covariance()(2, 2), 2.0 * small.next_segment().drift_covariance()(2, 2));
@@ -99,7 +99,7 @@ TEST(HslamOracle, GivesTheBitsOfParticlesThatEachCopyTheirMap) {
     PlainSegments plain(params, 7);
     LowRun run;
     for (int i = 0; i < 12; ++i) {
-      const Segment& segment = run.next_segment();
+      const RunSegment& segment = run.next_segment();
       hslam.begin(segment);
       while (!hslam.work(1)) {
       }
@@ -127,7 +127,7 @@ TEST(Hslam, IsTheSameHoweverItIsSliced) {
   Hslam sliced(high_params(), 3);
   LowRun run;
   for (int i = 0; i < 8; ++i) {
-    const Segment& segment = run.next_segment();
+    const RunSegment& segment = run.next_segment();
     whole.begin(segment);
     EXPECT_TRUE(whole.work(whole.slices())) << "as many slices as it says are enough";
     sliced.begin(segment);

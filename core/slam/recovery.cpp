@@ -1,0 +1,77 @@
+#include "core/slam/recovery.hpp"
+
+#include <optional>
+
+namespace odoless {
+
+Recovery::Recovery(const RecoveryParams& params, const ScanParams& scan, const Slam& slam)
+    : params_(params),
+      monitor_(params.tracking),
+      fit_(slam.params().low.beam, params.tracking.fit_sigma_m, slam.low().geometry().resolution_m,
+           slam.params().low.beams_used),
+      relocaliser_(params.search, params.tracking.fit_sigma_m, scan, slam) {
+  ODOLESS_CHECK(parameters_in_range(params));
+}
+
+void Recovery::reset() {
+  updates_ = 0;
+  trust();
+}
+
+void Recovery::trust() {
+  monitor_.reset();
+  last_fit_ = 1.0;
+  depleted_ = settled_ = false;
+}
+
+void Recovery::note(const UpdateReport& report, int particles) {
+  ++updates_;
+  depleted_ = report.effective_particles < params_.tracking.depleted_share * particles;
+}
+
+void Recovery::move(const Pose2& previous_T_current) { relocaliser_.move(previous_T_current); }
+
+Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
+  move(tracked.previous_T_current);
+  if (!params_.enabled) {
+    return Advice::kGoOn;
+  }
+  if (updates_ < params_.tracking.updates_min) {
+    return Advice::kGoOn;
+  }
+  return lost() ? look_for_it(slam, tracked) : diagnose(slam, tracked);
+}
+
+Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
+  Lslam& low = slam.low();
+  static_cast<void>(fit_.load(tracked.scan));
+  const Pose2 map_T_scan = low.pose(low.best()) * tracked.update_T_scan;
+  last_fit_ = fit_.of(low.map(low.best()), low.geometry(), map_T_scan);
+  const bool is_open = tracked.weak_information_1_m2 < params_.tracking.weak_information_1_m2;
+  monitor_.add({.fit = last_fit_,
+                .suspect = depleted_ || is_open,
+                .carried = tracked.matched && tracked.escalated,
+                .torn = !tracked.matched},
+               tracked.scan.stamp_ns());
+  if (lost()) {
+    relocaliser_.begin(slam.map_T_scan());
+    settled_ = false;
+  }
+  return monitor_.is_trusted() ? Advice::kGoOn : Advice::kHold;
+}
+
+Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
+  settled_ = settled_ || slam.settle();
+  if (!settled_) {
+    return Advice::kHold;
+  }
+  const std::optional<Pose2> map_T_scan = relocaliser_.process(slam, tracked.scan);
+  if (!map_T_scan) {
+    return Advice::kHold;
+  }
+  slam.set_pose(*map_T_scan, {params_.search.spread_m, params_.search.spread_rad});
+  trust();
+  return Advice::kFound;
+}
+
+}  // namespace odoless

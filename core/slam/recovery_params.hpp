@@ -1,0 +1,84 @@
+#pragma once
+
+#include "core/base/parameters.hpp"
+#include "core/match/global_search.hpp"
+
+namespace odoless {
+
+/// From when on the filter takes itself for lost. A scan's fit is the mean likelihood of its beams in the best
+/// particle's map, from where that particle would have it: 1 if the map explains all of it.
+struct TrackingParams {
+  double fit_sigma_m = 0.15;
+  double fit_min = 0.15;
+  double suspect_fit_min = 0.2;
+  double depleted_share = 0.02;
+  double weak_information_1_m2 = 15.0;
+  double torn_fit_min = 0.6;
+  double torn_for_s = 3.0;
+  double lost_after_s = 0.7;
+  int updates_min = 20;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.value("fit_sigma_m", self.fit_sigma_m, Range{0.01, 2.0},
+                "Deviation of a range from the map at which a beam still half fits.");
+    visit.value("fit_min", self.fit_min, Range{0.0, 1.0}, "A scan that fits the map less is not mapped.");
+    visit.value("suspect_fit_min", self.suspect_fit_min, Range{0.0, 1.0},
+                "The same while the scene leaves one direction open, or few particles matter.");
+    visit.value("depleted_share", self.depleted_share, Range{0.0, 1.0},
+                "With a smaller share of effective particles after an update few particles matter.");
+    visit.value("weak_information_1_m2", self.weak_information_1_m2, Range{0.0, 1e6},
+                "Curvature of the match's fitness along a direction below which the scene leaves it open.");
+    visit.value("torn_fit_min", self.torn_fit_min, Range{0.0, 1.0},
+                "The same after a scan that could not be matched at all: the robot may be anywhere.");
+    visit.value("torn_for_s", self.torn_for_s, Range{0.0, 60.0},
+                "Time for which scans must then fit so well, one after the other, before any is mapped again.");
+    visit.value("lost_after_s", self.lost_after_s, Range{0.0, 60.0},
+                "Time of scans that do not fit, less that of scans that do, after which the robot is lost.");
+    visit.value("updates_min", self.updates_min, Range{1, 1'000'000},
+                "Updates of the filter before which its map is too small to be lost in.");
+  }
+};
+
+/// How a lost robot is sought in the map, and when it is found.
+struct RelocaliserParams {
+  GlobalSearchParams global;
+  double evaluations_per_s = 500'000.0;
+  double found_fit = 0.6;
+  double rival_ratio = 0.85;
+  double found_after_s = 2.0;
+  double give_up_after_s = 4.0;
+  double spread_m = 0.05;
+  double spread_rad = 0.015;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.group("global", self.global, "Where it may be, by one scan.");
+    visit.value("evaluations_per_s", self.evaluations_per_s, Range{1000.0, 1e8},
+                "Poses looked at per second of scans: what a scan's slice of the search may cost.");
+    visit.value("found_fit", self.found_fit, Range{0.0, 1.0}, "Mean fit of a candidate that can be the robot.");
+    visit.value("rival_ratio", self.rival_ratio, Range{0.0, 1.0},
+                "Another candidate that fits this share of the best leaves the robot lost.");
+    visit.value("found_after_s", self.found_after_s, Range{0.0, 60.0}, "Time for which candidates are followed.");
+    visit.value("give_up_after_s", self.give_up_after_s, Range{0.1, 600.0},
+                "Time after which the search begins anew where candidates stay as good as each other.");
+    visit.value("spread_m", self.spread_m, Range{0.0, 5.0}, "Deviation of the particles where the robot is found.");
+    visit.value("spread_rad", self.spread_rad, Range{0.0, 1.0}, "The same of their yaw.");
+  }
+};
+
+/// Self-diagnosis of the filter, and the way back.
+struct RecoveryParams {
+  bool enabled = true;
+  TrackingParams tracking;
+  RelocaliserParams search;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.flag("enabled", self.enabled, "Whether the filter may take itself for lost, and look for itself in the map.");
+    visit.group("tracking", self.tracking, "From when on the robot is lost.");
+    visit.group("search", self.search, "How it is sought in the map.");
+  }
+};
+
+}  // namespace odoless

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/match/global_search.hpp"
+#include "core/slam/recovery_params.hpp"
+#include "core/slam/scan_fit.hpp"
+#include "core/slam/slam.hpp"
+
+namespace odoless {
+
+/// Finds a lost robot in its own map: a global search for one scan, in slices, then a trial of what it found against
+/// the scans that follow, moved on by the odometry. The robot is found when one candidate alone explains them; twins,
+/// as in a symmetric room, leave it lost until it sees what tells them apart.
+///
+/// Thread:    owned by one thread, which calls it once per scan while lost, and maps nothing meanwhile.
+/// Real time: no allocation after construction; a scan's slice is bounded by its share of `evaluations_per_s` and the
+///            number of candidates.
+class Relocaliser {
+ public:
+  Relocaliser(const RelocaliserParams& params, double fit_sigma_m, const ScanParams& scan, const Slam& slam);
+
+  /// From here on nothing is known but the map.
+  void begin(const Pose2& last_map_T_scan);
+  /// The robot's motion by the odometry, whether with a scan or not.
+  void move(const Pose2& previous_T_current);
+  /// @return  map_T_scan once it is found.
+  [[nodiscard]] std::optional<Pose2> process(Slam& slam, const ScanFrame& scan);
+
+  /// The candidates that are on trial.
+  [[nodiscard]] int candidates() const { return static_cast<int>(trial_count_); }
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  struct Candidate {
+    Pose2 map_T_scan;
+    double fit_sum = 0.0;
+  };
+
+  [[nodiscard]] double since_last_s(const ScanFrame& scan);
+  void start_trial();
+  void try_scan(Slam& slam, const ScanFrame& scan);
+  void drop_doubles();
+  [[nodiscard]] std::optional<Pose2> verdict();
+  [[nodiscard]] std::span<Candidate> candidates_on_trial() { return std::span(trial_).first(trial_count_); }
+
+  RelocaliserParams params_;
+  ScanFit fit_;
+  GlobalSearch search_;
+  PointSet points_;
+  std::vector<Candidate> trial_;
+  std::size_t trial_count_ = 0;
+  Pose2 searched_T_scan_{};  ///< motion since the scan that is searched for
+  int trial_scans_ = 0;
+  double trial_s_ = 0.0;
+  std::int64_t stamp_ns_ = 0;
+};
+
+}  // namespace odoless

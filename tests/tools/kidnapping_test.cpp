@@ -1,0 +1,96 @@
+// A robot is carried away in a building that it knows. Each run has its own noise, place and way, every tenth its own
+// mapping; in CI there are few of them, and as many as ODOLESS_KIDNAPPINGS says by hand:
+//   ODOLESS_KIDNAPPINGS=100 build/release/bin/test_tools --gtest_filter='*Kidnap*'
+#include "tests/tools/kidnapping.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+
+#include "tests/tools/sim_support.hpp"
+#include "tools/sim/world_file.hpp"
+
+namespace odoless {
+namespace {
+
+using test::KidnappedRobot;
+using test::Kidnapping;
+
+constexpr double kWatched_s = 14.0;
+
+int runs() {
+  const char* const asked = std::getenv("ODOLESS_KIDNAPPINGS");
+  return asked == nullptr ? 3 : std::max(1, std::atoi(asked));
+}
+
+/// The figures of many kidnappings.
+struct Tally {
+  int runs = 0;
+  int said_soon = 0;  ///< or right again before it had to say so
+  int found_soon = 0;
+  int lies = 0;  ///< sure, or found, for a second, and wrong
+  int noticed = 0;
+  int wrong_finds = 0;  ///< the search itself put the robot where it was not
+  std::int64_t heap_calls = 0;
+  double slice_us_max = 0.0;
+
+  void add(const Kidnapping& run) {
+    ++runs;
+    said_soon += std::min(run.lost_after_s, run.found_after_s) <= 2.0 ? 1 : 0;
+    found_soon += run.found_after_s <= 10.0 ? 1 : 0;
+    lies += run.wrong_sure_s > 1.0 || run.wrong_claimed_s > 1.0 ? 1 : 0;
+    noticed += run.lost_scans > 0 ? 1 : 0;
+    wrong_finds += run.wrong_claimed_s > 1.0 ? 1 : 0;
+    heap_calls += run.heap_calls;
+    slice_us_max = std::max(slice_us_max, run.slice_us_max);
+  }
+};
+
+/// Ten kidnappings from one mapping, at as many places of the last quarter of the path; then another mapping.
+Tally kidnap(const World& world) {
+  constexpr int kPer_mapping = 10;
+  Tally tally;
+  std::optional<KidnappedRobot> robot;
+  for (int seed = 1; tally.runs < runs(); ++seed) {
+    const int index = (seed - 1) % kPer_mapping;
+    if (index == 0) {
+      robot.emplace(world, RobotParams{}, static_cast<std::uint64_t>(seed));
+    }
+    robot->drive_until(0.75 + 0.25 * (index + 0.5) / kPer_mapping);
+    KidnappedRobot carried = *robot;
+    const Kidnapping run = carried.carry_away(static_cast<std::uint64_t>(seed), kWatched_s);
+    if (run.happened) {
+      tally.add(run);
+      fmt::print(
+          "seed {}: lost after {:.1f} s, found after {:.1f} s; sure and wrong for {:.1f} s, found and wrong for {:.1f} "
+          "s; "
+          "slice at most {:.0f} us\n",
+          seed, run.lost_after_s, run.found_after_s, run.wrong_sure_s, run.wrong_claimed_s, run.slice_us_max);
+    }
+  }
+  fmt::print("{} runs: said in time {}, found in time {}, lies {}, longest slice {:.1f} ms\n", tally.runs,
+             tally.said_soon, tally.found_soon, tally.lies, 1e-3 * tally.slice_us_max);
+  return tally;
+}
+
+TEST(Kidnapped, KnowsItWithinTwoSecondsAndFindsItselfWithinTen) {
+  const Tally tally = kidnap(read_world(test::example_world("rooms.world")));
+  EXPECT_EQ(tally.said_soon, tally.runs);
+  EXPECT_GE(tally.found_soon, 0.95 * tally.runs);
+  EXPECT_EQ(tally.lies, 0);
+  EXPECT_EQ(tally.heap_calls, 0);
+}
+
+// Every place of an empty rectangle has a twin, half a turn away: nothing that the laser sees tells them apart.
+TEST(Kidnapped, StaysLostWhereTwoPlacesLookAlike) {
+  const World world = parse_world("room 0 0 9 6\nspeed 0.5\ngo 1 1  8 1  8 5  1 5  1 1  4 3", "symmetric");
+  const Tally tally = kidnap(world);
+  EXPECT_GT(tally.noticed, 0);
+  EXPECT_EQ(tally.wrong_finds, 0);
+}
+
+}  // namespace
+}  // namespace odoless
