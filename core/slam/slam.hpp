@@ -54,6 +54,8 @@ class Slam {
   [[nodiscard]] bool write_square(GridCell corner, int side_cells, std::span<std::uint8_t> percent);
   /// One pose per update, as known now. May allocate. Only when HSLAM is idle, as after `finish`.
   void write_path(std::vector<StampedPose>& path) const;
+  /// The last of these poses, oldest first; their number, 0 while HSLAM works. No allocation; linear in the span.
+  [[nodiscard]] int copy_last_poses(std::span<StampedPose> last) const;
 
   [[nodiscard]] const SlamParams& params() const { return params_; }
   /// Of the map that is written.

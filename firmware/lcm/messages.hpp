@@ -16,6 +16,7 @@
 #include <span>
 
 #include "core/geometry/pose2.hpp"
+#include "firmware/records/cloud_piece.hpp"
 #include "firmware/records/health.hpp"
 #include "firmware/records/records.hpp"
 
@@ -29,6 +30,9 @@ inline constexpr std::size_t kMessageMaxBytes = 60'000;
 
 /// Most points of a pointcloud_t below that size.
 inline constexpr int kPointsMax = 4900;
+
+/// The same with two further figures each.
+inline constexpr int kCloudPointsMax = 2900;
 
 /// Velocity over ground of the laser, axes of the map.
 struct Velocity {
@@ -59,5 +63,11 @@ void to_message(const HealthReport& health, bot_core::sensor_status_t& message);
 /// on. `message.points` has kPointsMax points of three coordinates, of which the first `n_points` count.
 void to_points(const PoseRecord& pose, const ScanRecord& scan, std::span<const float> ranges_m,
                bot_core::pointcloud_t& message);
+
+/// Points of the 3D map, in the map, at most kCloudPointsMax. Their further figures are "key", the number of the key
+/// pose that they hang on, and "edition", which grows when that key is published anew: a reader then forgets the points
+/// of the editions before. `message` has room as made by `reserve_cloud`.
+void reserve_cloud(bot_core::pointcloud_t& message);
+void to_message(const CloudPiece& piece, bot_core::pointcloud_t& message);
 
 }  // namespace odoless
