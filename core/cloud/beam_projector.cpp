@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/check.hpp"
+#include "core/geometry/interpolated.hpp"
 
 namespace odoless {
 namespace {

@@ -26,7 +26,7 @@ void LevelScan::enter(const BeamPoint& point, const ScanFrame& scan) {
   }
 }
 
-Result<RawScan> LevelScan::make(const ScanFrame& scan, std::span<const double> tilts_rad) {
+Result<std::span<const float>> LevelScan::make(const ScanFrame& scan, std::span<const double> tilts_rad) {
   const bool is_level = std::all_of(tilts_rad.begin(), tilts_rad.end(), [this](double tilt_rad) {
     return std::abs(tilt_rad) <= params_.tilt_max_rad;  // false for NaN
   });
@@ -45,11 +45,7 @@ Result<RawScan> LevelScan::make(const ScanFrame& scan, std::span<const double> t
   if (returns < params_.returns_min) {
     return Errc::kTooFewReturns;
   }
-  return RawScan{.stamp_ns = scan.stamp_ns(),
-                 .start_angle_rad = scan.angle_rad(0),
-                 .angle_step_rad = scan.angle_step_rad(),
-                 .beam_period_ns = scan.beam_period_ns(),
-                 .ranges_m = ranges_m};
+  return std::span<const float>(ranges_m);
 }
 
 }  // namespace odoless

@@ -32,9 +32,9 @@ class LevelScan {
  public:
   LevelScan(const TiltMount& mount, const LevelParams& params, int beams_max);
 
-  /// The level form of `scan` with its stamp and angles, valid until the next call; not deskewed. 0 where nothing is
-  /// known. Errc::kTooFewReturns where it is tilted too far or too little remains.
-  [[nodiscard]] Result<RawScan> make(const ScanFrame& scan, std::span<const double> tilts_rad);
+  /// The ranges of the level form of `scan`, which has its stamp, angles and beam period, not deskewed; valid until the
+  /// next call; 0 where nothing is known. Errc::kTooFewReturns where it is tilted too far or too little remains.
+  [[nodiscard]] Result<std::span<const float>> make(const ScanFrame& scan, std::span<const double> tilts_rad);
 
  private:
   void enter(const BeamPoint& point, const ScanFrame& scan);

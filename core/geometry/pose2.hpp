@@ -43,10 +43,4 @@ struct Pose2 {
   return {p_a.x_m, p_a.y_m, wrap_angle(a_T_b.yaw_rad + b_T_c.yaw_rad)};
 }
 
-/// On the way from `first` (share 0) to `last` (share 1), place and angle evenly, the angle the short way round.
-[[nodiscard]] inline Pose2 interpolated(const Pose2& first, const Pose2& last, double share) {
-  return {first.x_m + share * (last.x_m - first.x_m), first.y_m + share * (last.y_m - first.y_m),
-          wrap_angle(first.yaw_rad + share * wrap_angle(last.yaw_rad - first.yaw_rad))};
-}
-
 }  // namespace odoless

@@ -62,8 +62,6 @@ class ScanFrame {
   void deskew(const Velocity2& velocity);
 
   [[nodiscard]] std::int64_t stamp_ns() const { return stamp_ns_; }
-  /// From beam to beam; 0: unknown, all at once, or taken out by `deskew`.
-  [[nodiscard]] std::int64_t beam_period_ns() const { return beam_period_ns_; }
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] int returns() const { return returns_; }
   [[nodiscard]] double angle_rad(int beam) const { return start_angle_rad_ + beam * angle_step_rad_; }

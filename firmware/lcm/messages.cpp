@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check.hpp"
+
 namespace odoless {
 namespace {
 

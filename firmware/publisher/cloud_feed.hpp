@@ -8,6 +8,7 @@
 #include "core/base/stamped_history.hpp"
 #include "core/cloud/cloud_mapper.hpp"
 #include "core/cloud/mapping_params.hpp"
+#include "core/geometry/interpolated.hpp"
 #include "core/geometry/stamped_pose.hpp"
 #include "drivers/tilt/tilt_history.hpp"
 #include "firmware/records/cloud_piece.hpp"
@@ -54,11 +55,6 @@ class CloudFeed {
   struct Waiting {
     ScanRecord scan;
     std::vector<float> ranges_m;
-  };
-  struct BetweenPoses {
-    Pose2 operator()(const Pose2& before, const Pose2& after, double share) const {
-      return interpolated(before, after, share);
-    }
   };
   /// Where a key hangs on the filter's path, and how much of it was published.
   struct KeyState {

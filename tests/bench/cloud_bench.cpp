@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/cloud/cloud_mapper.hpp"
+#include "core/geometry/interpolated.hpp"
 #include "tests/core/cloud/cloud_support.hpp"
 
 namespace odoless {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/stamped_history.hpp"
+#include "core/geometry/interpolated.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/cloud/beam_tilts.hpp"
 #include "tools/command/error.hpp"
@@ -15,11 +16,6 @@ namespace {
 
 constexpr int kInputIsWrong = 65;
 
-struct BetweenPoses {
-  Pose2 operator()(const Pose2& before, const Pose2& after, double share) const {
-    return interpolated(before, after, share);
-  }
-};
 using PoseHistory = StampedHistory<Pose2, BetweenPoses>;
 
 void assign(ScanFrame& frame, const LogScan& scan) {
@@ -37,10 +33,10 @@ ScanLog level_log(const TiltLog& log, const CloudSetup& setup, BeamTilts& tilts)
   ScanLog out{.format = "level scans of a tilt log", .has_stamps = true, .scans = {}};
   for (const LogScan& scan : log.scans) {
     assign(frame, scan);
-    const Result<RawScan> made = level.make(frame, tilts.of(scan));
+    const Result<std::span<const float>> made = level.make(frame, tilts.of(scan));
     if (made.ok()) {
       out.scans.push_back(scan);
-      out.scans.back().ranges_m.assign(made.value().ranges_m.begin(), made.value().ranges_m.end());
+      out.scans.back().ranges_m.assign(made.value().begin(), made.value().end());
     }
   }
   if (out.scans.size() < 2) {
