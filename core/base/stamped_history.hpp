@@ -9,6 +9,11 @@
 
 namespace odoless {
 
+/// Between two numbers.
+struct OnTheLine {
+  double operator()(double before, double after, double share) const { return before + share * (after - before); }
+};
+
 /// The last values of something that is measured now and then, for its value at any moment between.
 ///
 /// `Between{}(a, b, share)` is the value on the way from a (share 0) to b (share 1).
@@ -68,18 +73,16 @@ class StampedHistory {
                      static_cast<double>(stamp_ns - left.stamp_ns) / static_cast<double>(gap_ns));
   }
 
-  [[nodiscard]] std::size_t size() const { return count_; }
-
- private:
   struct Sample {
     std::int64_t stamp_ns = 0;
     Value value{};
   };
 
+  [[nodiscard]] std::size_t size() const { return count_; }
   /// The i-th since the oldest.
   [[nodiscard]] const Sample& sample(std::size_t i) const { return samples_[(first_ + i) % samples_.size()]; }
 
-  /// Of two samples or more, the last but the newest whose stamp is not later; of one, that one.
+  /// Of two samples or more, the last but the newest whose stamp is not later, or the oldest; of one, that one.
   [[nodiscard]] std::size_t last_not_later(std::int64_t stamp_ns) const {
     std::size_t before = 0;
     std::size_t after = count_ - 1;
@@ -90,6 +93,7 @@ class StampedHistory {
     return before;
   }
 
+ private:
   std::int64_t gap_max_ns_;
   std::vector<Sample> samples_;
   std::size_t first_ = 0;

@@ -37,7 +37,8 @@ Result<std::span<const float>> LevelScan::make(const ScanFrame& scan, std::span<
   std::fill(ranges_m.begin(), ranges_m.end(), 0.0F);
   int returns = 0;
   for (const BeamPoint& point : projector_.project(scan, tilts_rad, {})) {
-    if (std::abs(point.z_m - projector_.mount().level_height_m()) <= params_.height_m) {
+    const double above_m = point.z_m - projector_.mount().level_height_m();
+    if (above_m >= -params_.below_m && above_m <= params_.above_m) {
       enter(point, scan);
       ++returns;
     }

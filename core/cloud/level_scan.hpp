@@ -9,16 +9,19 @@ namespace odoless {
 
 /// Which scans of a tilting laser serve 2D SLAM, and what of them.
 struct LevelParams {
-  double tilt_max_rad = 0.20943951023931956;
-  double height_m = 0.3;
+  double tilt_max_rad = 0.10471975511965978;
+  double below_m = 0.4;
+  double above_m = 0.6;
   int returns_min = 60;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("tilt_max_rad", self.tilt_max_rad, Range{0.0, 1.5708},
                 "Scans that are tilted further are not used for poses.");
-    visit.value("height_m", self.height_m, Range{0.0, 100.0},
-                "Of a tilted scan, what lies within this height of the level laser is used for poses.");
+    visit.value(
+        "below_m", self.below_m, Range{0.0, 100.0},
+        "Of a tilted scan, what lies farther below the level laser than this is not used for poses: the floor.");
+    visit.value("above_m", self.above_m, Range{0.0, 100.0}, "The same above it: lintels, the ceiling.");
     visit.value("returns_min", self.returns_min, Range{8, 16384}, "Scans with fewer such returns are not used.");
   }
 };

@@ -13,6 +13,7 @@ struct MappingParams {
   LevelParams level{};
   CloudParams cloud{};
   double pose_gap_max_s = 2.0;
+  double yaw_doubt_max_rad = 0.008726646259971648;
   double angle_gap_max_s = 0.5;
 
   template <class Self, class Visitor>
@@ -23,6 +24,8 @@ struct MappingParams {
     visit.group("cloud", self.cloud, "The cloud of points.");
     visit.value("pose_gap_max_s", self.pose_gap_max_s, Range{0.01, 60.0},
                 "Between poses farther apart no pose is known, and scans are left out of the cloud.");
+    visit.value("yaw_doubt_max_rad", self.yaw_doubt_max_rad, Range{0.0001, 3.1416},
+                "Scans between two level ones are left out where the robot may have turned unevenly by more.");
     visit.value("angle_gap_max_s", self.angle_gap_max_s, Range{0.001, 60.0},
                 "Between angles farther apart no angle is known, and beams are left out.");
   }

@@ -34,10 +34,6 @@ class TiltHistory {
   [[nodiscard]] std::size_t size() const { return angles_.size(); }
 
  private:
-  struct OnTheLine {
-    double operator()(double before, double after, double share) const { return before + share * (after - before); }
-  };
-
   StampedHistory<double, OnTheLine> angles_;
 };
 

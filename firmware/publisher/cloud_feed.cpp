@@ -20,7 +20,7 @@ CloudFeed::CloudFeed(const MappingParams& params, int beams_max)
       mapper_(params.cloud, TiltMount(params.mount), beams_max),
       frame_({.beams_max = beams_max, .range_max_m = params.cloud.range_max_m}),
       tilts_(to_ns(params.angle_gap_max_s)),
-      odom_T_scan_(kPoses, to_ns(params.pose_gap_max_s)),
+      odom_T_scan_(kPoses, to_ns(params.pose_gap_max_s), params.yaw_doubt_max_rad),
       waiting_(kWaiting) {
   for (Waiting& waiting : waiting_) {
     waiting.ranges_m.reserve(static_cast<std::size_t>(beams_max));

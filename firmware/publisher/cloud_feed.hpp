@@ -5,10 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "core/base/stamped_history.hpp"
 #include "core/cloud/cloud_mapper.hpp"
 #include "core/cloud/mapping_params.hpp"
-#include "core/geometry/interpolated.hpp"
+#include "core/cloud/pose_track.hpp"
 #include "core/geometry/stamped_pose.hpp"
 #include "drivers/tilt/tilt_history.hpp"
 #include "firmware/records/cloud_piece.hpp"
@@ -77,7 +76,7 @@ class CloudFeed {
   CloudMapper mapper_;
   ScanFrame frame_;
   TiltHistory tilts_;
-  StampedHistory<Pose2, BetweenPoses> odom_T_scan_;
+  PoseTrack odom_T_scan_;
   std::vector<Waiting> waiting_;
   std::size_t first_ = 0;
   std::size_t end_ = 0;

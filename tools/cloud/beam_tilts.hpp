@@ -8,10 +8,6 @@
 
 namespace odoless {
 
-struct OnTheLine {
-  double operator()(double before, double after, double share) const { return before + share * (after - before); }
-};
-
 /// The tilt angle of each beam of a log's scans.
 class BeamTilts {
  public:

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/stamped_history.hpp"
+#include "core/cloud/pose_track.hpp"
 #include "core/geometry/interpolated.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/cloud/beam_tilts.hpp"
@@ -50,15 +51,15 @@ ScanLog level_log(const TiltLog& log, const CloudSetup& setup, BeamTilts& tilts)
 
 /// The run's poses in three frames, at the level scans' stamps.
 struct Track {
-  PoseHistory odom_T_scan;
+  PoseTrack odom_T_scan;
   PoseHistory map_T_odom_online;
   PoseHistory map_T_odom_final;
 };
 
-Track track_of(const ReplayResult& slam, double gap_max_s) {
+Track track_of(const ReplayResult& slam, const MappingParams& mapping) {
   const std::size_t size = slam.trajectory.size();
-  const std::int64_t gap_ns = std::llround(gap_max_s * 1e9);
-  Track track{{size, gap_ns}, {size, gap_ns}, {size, gap_ns}};
+  const std::int64_t gap_ns = std::llround(mapping.pose_gap_max_s * 1e9);
+  Track track{{size, gap_ns, mapping.yaw_doubt_max_rad}, {size, gap_ns}, {size, gap_ns}};
   Pose2 odom_T_scan;
   for (std::size_t i = 0; i < size; ++i) {
     odom_T_scan = i == 0 ? odom_T_scan : odom_T_scan * slam.matches[i - 1].reference_T_scan;
@@ -124,7 +125,7 @@ ClockEstimate align_clocks(const TiltLog& log, const CloudSetup& setup, const Re
     std::int64_t reach_ns;
     std::int64_t step_ns;
   };
-  const Track track = track_of(slam, setup.mapping.pose_gap_max_s);
+  const Track track = track_of(slam, setup.mapping);
   const double before = voxels_per_return(log, track, setup, setup.servo.clock_ahead_ns);
   ClockEstimate best{setup.servo.clock_ahead_ns, before, before};
   for (const Search& search : {Search{400'000'000, 20'000'000}, Search{18'000'000, 2'000'000}}) {
@@ -146,7 +147,7 @@ CloudRun make_cloud(const TiltLog& log, const CloudSetup& setup, const ReplayPro
   CloudRun run = empty_run(setup);
   run.slam = replay(level, setup.robot, {.every = 1, .seed = setup.seed}, progress);
   run.level_scans = static_cast<int>(level.scans.size());
-  const Track track = track_of(run.slam, setup.mapping.pose_gap_max_s);
+  const Track track = track_of(run.slam, setup.mapping);
   const std::int64_t start_ns = thread_cpu_ns();
   add_scans(log, track, setup, 1, run);
   run.cloud_cpu_s = static_cast<double>(thread_cpu_ns() - start_ns) * 1e-9;

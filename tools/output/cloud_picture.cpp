@@ -79,7 +79,7 @@ class Eye {
   Eye(const Box& box, int width_px, int height_px) : width_px_(width_px), height_px_(height_px) {
     constexpr double kAzimuthRad = -2.2;
     constexpr double kElevationRad = 40.0 * std::numbers::pi / 180.0;
-    const double distance_m = 1.25 * std::hypot(box.width_m(), box.depth_m());
+    const double distance_m = 1.6 * std::hypot(box.width_m(), box.depth_m());
     const Eigen::Vector3d back(std::cos(kElevationRad) * std::cos(kAzimuthRad),
                                std::cos(kElevationRad) * std::sin(kAzimuthRad), std::sin(kElevationRad));
     const Point3 middle = box.middle();
