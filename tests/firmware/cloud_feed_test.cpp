@@ -115,12 +115,12 @@ std::size_t read_all(CloudFeed& feed, std::map<int, std::pair<int, std::vector<C
 TEST(CloudFeed, WaitsForPosesAndAnglesAndPutsPointsWhereTheyBelong) {
   CloudFeed feed(params(), kBeams);
   Robot robot(feed);
-  robot.drive(200, 20);  // a level scan every half second
+  robot.drive(240, 20);  // a level scan every half second
   EXPECT_GT(feed.cloud().keys().size(), 1U);
   EXPECT_EQ(feed.scans_left_out(), 0);
   // Every point is 4 m from where the laser was, 0.6 m high, at some time.
   for (const Point3& p : points_in_map(feed)) {
-    const double x_m = std::clamp(p.x_m, 0.0, 2.5);
+    const double x_m = std::clamp(p.x_m, 0.0, 3.0);
     EXPECT_LE(std::hypot(p.x_m - x_m, p.y_m, p.z_m - 0.6), 4.1);
     EXPECT_LE(std::abs(p.z_m - 0.6), 4.1 * std::sin(0.5));
   }

@@ -119,11 +119,11 @@ int pixels_of(const Canvas& canvas, Rgb colour) {
 // A low plate and a high one above half of it: from above the high one hides the low one.
 TEST(CloudPicture, NearerPointsHideOthersAndTheCeilingIsCut) {
   std::vector<Point3> points;
-  for (int i = 0; i < 200; ++i) {
-    for (int j = 0; j < 200; ++j) {
-      points.push_back({i * 0.05, j * 0.05, 0.0});
-      points.push_back({i * 0.05, j * 0.025, 1.0});
-      points.push_back({i * 0.05, j * 0.05, 2.5});
+  for (int i = 0; i < 400; ++i) {
+    for (int j = 0; j < 400; ++j) {
+      points.push_back({i * 0.025, j * 0.025, 0.0});
+      points.push_back({i * 0.025, j * 0.025, j < 200 ? 1.0 : 0.0});
+      points.push_back({i * 0.025, j * 0.025, 2.5});
     }
   }
   const HeightColours colours(points);

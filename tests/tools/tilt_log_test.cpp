@@ -72,6 +72,18 @@ TEST(TiltLog, IsToldFromOtherLogs) {
   EXPECT_FALSE(is_tilt_log(folder.file("empty.log", "")));
 }
 
+TEST(TiltLog, ReadsTheRecordedOnes) {
+  ODOLESS_DATA_FILE(slow, "tilt-epfl-lidarServo.csv.xz");
+  ODOLESS_DATA_FILE(fast, "tilt-epfl-servo-imu-3hz.csv.xz");
+  const TiltLog first = read_tilt_log(slow);
+  EXPECT_EQ(first.scans.size() + static_cast<std::size_t>(first.empty_rows + first.doubled_scans), 298U);
+  EXPECT_EQ(first.angles.size(), 298U);
+  EXPECT_NEAR(static_cast<double>(first.row_offset_ns) * 1e-9, 0.057, 0.002);
+  const TiltLog second = read_tilt_log(fast);
+  EXPECT_EQ(second.scans.size() + static_cast<std::size_t>(second.empty_rows + second.doubled_scans), 204U);
+  EXPECT_EQ(second.doubled_scans, 2);
+}
+
 TEST(TiltLog, ReadsWhatItWrote) {
   const World world = parse_world("room 0 0 6 5\nbox 4 3 1 1\ngo 1 1  2 1\n", "world");
   const SimulatedLrfParams lrf{.beams = 91, .rate_hz = 20.0, .distortion = true};
@@ -83,7 +95,8 @@ TEST(TiltLog, ReadsWhatItWrote) {
   for (std::size_t i = 0; i < read.scans.size(); ++i) {
     EXPECT_EQ(read.scans[i].stamp_ns, made.log.scans[i].stamp_ns);
     EXPECT_EQ(read.scans[i].beam_period_ns, made.log.scans[i].beam_period_ns);
-    EXPECT_NEAR(read.angles[i].angle_rad, simulated_tilt_rad(tilt, read.scans[i].stamp_ns * 1e-9), 1e-7);
+    EXPECT_NEAR(read.angles[i].angle_rad, simulated_tilt_rad(tilt, static_cast<double>(read.scans[i].stamp_ns) * 1e-9),
+                1e-7);
     EXPECT_NEAR(read.scans[i].ranges_m[45], made.log.scans[i].ranges_m[45], 0.00051);
   }
 }

@@ -81,6 +81,7 @@ nlohmann::ordered_json summary_of(const CloudResult& result) {
                                     {"cloud_cpu_s", run.cloud_cpu_s},
                                     {"servo_clock_ahead_s", to_s(result.clock.clock_ahead_ns)},
                                     {"servo_clock_is_estimated", result.clock_is_estimated},
+                                    {"servo_clock_is_told_by_cloud", result.clock.is_told},
                                     {"voxels_per_return", result.clock.voxels_per_return},
                                     {"voxels_per_return_before", result.clock.voxels_per_return_before},
                                     {"floor_height_m", result.check.floor_height_m},

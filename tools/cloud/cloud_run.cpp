@@ -127,7 +127,7 @@ ClockEstimate align_clocks(const TiltLog& log, const CloudSetup& setup, const Re
   };
   const Track track = track_of(slam, setup.mapping);
   const double before = voxels_per_return(log, track, setup, setup.servo.clock_ahead_ns);
-  ClockEstimate best{setup.servo.clock_ahead_ns, before, before};
+  ClockEstimate best{setup.servo.clock_ahead_ns, before, before, false};
   for (const Search& search : {Search{400'000'000, 20'000'000}, Search{18'000'000, 2'000'000}}) {
     const std::int64_t middle_ns = best.clock_ahead_ns;
     for (std::int64_t off_ns = -search.reach_ns; off_ns <= search.reach_ns; off_ns += search.step_ns) {
@@ -138,6 +138,11 @@ ClockEstimate align_clocks(const TiltLog& log, const CloudSetup& setup, const Re
       }
     }
   }
+  constexpr double kClearlyThinner = 0.98;
+  constexpr std::int64_t kEnd_ns = 380'000'000;
+  best.is_told = best.voxels_per_return < kClearlyThinner * before &&
+                 std::abs(best.clock_ahead_ns - setup.servo.clock_ahead_ns) < kEnd_ns;
+  best.clock_ahead_ns = best.is_told ? best.clock_ahead_ns : setup.servo.clock_ahead_ns;
   return best;
 }
 

@@ -48,6 +48,9 @@ struct ClockEstimate {
   std::int64_t clock_ahead_ns = 0;
   double voxels_per_return = 0.0;         ///< at that
   double voxels_per_return_before = 0.0;  ///< at what `setup.servo` says
+  /// False: no offset makes the surfaces clearly thinner, or the best lies at the end of the search; what `setup.servo`
+  /// says stands.
+  bool is_told = false;
 };
 
 /// Searches +-0.4 s around what `setup.servo` says, to 2 ms, with the poses of a run that was made with that.

@@ -53,7 +53,9 @@ void print(const CloudJob& job, const CloudResult& result) {
              run.mapper.cloud().size(), run.mapper.cloud().refused());
   fmt::print("clocks    the servo's is {:.3f} s ahead of the laser's, {}\n",
              static_cast<double>(result.clock.clock_ahead_ns) * 1e-9,
-             result.clock_is_estimated ? "as estimated from the cloud" : "as given");
+             !result.clock_is_estimated ? "as given"
+             : result.clock.is_told     ? "as the cloud tells"
+                                        : "as the log's rows pair them; the cloud does not tell better");
   if (check.saw_enough()) {
     fmt::print("floor     at {:.3f} m, 95 % within {:.3f} m; walls lean by {:.2f} deg on average: {}\n",
                check.floor_height_m, check.floor_deviation_m.percentile_95,
