@@ -31,7 +31,9 @@ ScanFrame tower_scan(double tilt_rad) {
 }
 
 LevelScan level_scan(double tilt_max_rad = 0.5) {
-  return {TiltMount(TiltMountParams{}), {.tilt_max_rad = tilt_max_rad, .below_m = 0.5, .above_m = 0.5, .returns_min = 20}, kBeams};
+  return {TiltMount(TiltMountParams{}),
+          {.tilt_max_rad = tilt_max_rad, .below_m = 0.5, .above_m = 0.5, .returns_min = 20},
+          kBeams};
 }
 
 // Walls are upright: what a tilted laser sees near its height is what the level one sees there.
