@@ -48,13 +48,13 @@ void Lslam::set_pose(const Pose2& map_T_scan) {
   std::fill(errors_.begin(), errors_.end(), DrawnError{});
 }
 
-UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& scan) {
+UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& scan, const Deadline& deadline) {
   UpdateReport report;
   const AncestryGrid::Counters before = particles_.grid().counters();
   const std::int64_t thinned_before = particles_.paths().thinned();
   if (started_) {
     move(increment, report);
-    weigh(scan, report);
+    weigh(scan, deadline, report);
     report.resampled = select_survivors(report);
   } else {
     particles_.spread_the_first(wanted_particles_);
@@ -65,7 +65,7 @@ UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& sc
   if (report.resampled) {
     particles_.retain();
   }
-  map_scan(scan, report.resampled);
+  map_scan(scan, deadline, report);
   if (report.resampled) {
     errors_.swap(old_errors_);
     particles_.multiply_alike(old_errors_, errors_);
@@ -94,21 +94,29 @@ void Lslam::move(const MotionIncrement& increment, UpdateReport& report) {
   speed_.add(increment);
 }
 
-void Lslam::weigh(const ScanFrame& scan, UpdateReport& report) {
+void Lslam::weigh(const ScanFrame& scan, const Deadline& deadline, UpdateReport& report) {
   select_beams(scan, params_.beams_used, params_.weigh_no_return, beams_);
   report.beams_weighed = static_cast<int>(beams_.size());
   if (!beams_.empty()) {
-    for (int particle = 0; particle < particles(); ++particle) {
-      const ScoredPose found = refined(particle, beams_);
-      particles_.pose(particle) = found.pose;
-      scores_[static_cast<std::size_t>(particle)] = found.score;
-      particles_.add_log_weight(particle, params_.tempering * found.score);
-    }
+    weigh_until(deadline, report);
   }
   particles_.normalise();
   report.effective_particles = effective_particles();
   report.log_likelihood_per_beam =
       beams_.empty() ? 0.0 : scores_[static_cast<std::size_t>(best())] / static_cast<double>(beams_.size());
+}
+
+void Lslam::weigh_until(const Deadline& deadline, UpdateReport& report) {
+  for (int particle = 0; particle < particles(); ++particle) {
+    if (particle > 0 && deadline.expired()) {
+      report.unweighed_particles = particles() - particle;
+      return particles_.give_up_from(particle);
+    }
+    const ScoredPose found = refined(particle, beams_);
+    particles_.pose(particle) = found.pose;
+    scores_[static_cast<std::size_t>(particle)] = found.score;
+    particles_.add_log_weight(particle, params_.tempering * found.score);
+  }
 }
 
 ScoredPose Lslam::refined(int particle, std::span<const Beam> beams) {
@@ -123,21 +131,27 @@ ScoredPose Lslam::refined(int particle, std::span<const Beam> beams) {
 /// Decides about a resampling, and what it keeps.
 bool Lslam::select_survivors(UpdateReport& report) {
   const bool depleted = report.effective_particles < params_.resample_below * particles();
-  if (!pool_was_full_ && !depleted && wanted_particles_ >= particles()) {
+  const bool cut = report.unweighed_particles > 0;
+  if (!pool_was_full_ && !depleted && !cut && wanted_particles_ >= particles()) {
     return false;
   }
   particles_.choose_survivors(wanted_particles_, pool_was_full_, rng_);
   return true;
 }
 
-void Lslam::map_scan(const ScanFrame& scan, bool only_survivors) {
-  for (int particle = 0; particle < particles(); ++particle) {
-    if (only_survivors && !particles_.survives(particle)) {
+void Lslam::map_scan(const ScanFrame& scan, const Deadline& deadline, UpdateReport& report) {
+  for (int particle = 0, mapped = 0; particle < particles(); ++particle) {
+    if (report.resampled && !particles_.survives(particle)) {
       continue;
     }
-    AncestryGrid::Writer writer = particles_.grid().writer(particle);
-    const BeamCaster caster(geometry(), pose(particle));
-    integrate_scan(model_, caster, writer, scan, params_.free_no_return_m);
+    if (mapped > 0 && deadline.expired()) {
+      ++report.unmapped_particles;
+    } else {
+      AncestryGrid::Writer writer = particles_.grid().writer(particle);
+      const BeamCaster caster(geometry(), pose(particle));
+      integrate_scan(model_, caster, writer, scan, params_.free_no_return_m);
+      ++mapped;
+    }
     particles_.paths().append(particle, {.stamp_ns = scan.stamp_ns(), .map_T_scan = pose(particle)});
   }
 }

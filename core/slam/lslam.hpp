@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/deadline.hpp"
 #include "core/base/rng.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/grid/occupancy_map.hpp"
@@ -29,6 +30,8 @@ struct UpdateReport {
   double lambda_m = 0.0;                 ///< travel that the speed promised
   std::int64_t refused_tiles = 0;        ///< observations refused since the pool of tiles is full
   std::int64_t outside_tiles = 0;        ///< observations outside of the grid
+  int unweighed_particles = 0;           ///< given up at the deadline
+  int unmapped_particles = 0;            ///< survivors whose maps lack this scan since the time was over
   std::int64_t thinned_poses = 0;        ///< poses that went from the paths since their pool was full
 };
 
@@ -47,10 +50,12 @@ struct PoseEstimate {
 /// Frames:    poses are map_T_scan: of the laser, x forward, whose scans the matcher compares.
 /// Full pool: observations that find no room are refused and counted, and the next update drops the weakest half of the
 ///            particles, which gives their tiles back.
+/// Deadline:  at its end particles not weighed yet are given up as if their weight were 0, and survivors that remain go
+///            on without this scan in their maps. One particle is always weighed and mapped. None in a replay.
 /// Thread:    owned by one thread, but for what is copied out.
 /// Real time: `update` and `reset` do not allocate, lock or read a clock; the time of an update is bounded by
-/// particles,
-///            beams and their length in cells, and does not depend on the map's size or the length of the run.
+///            particles, beams and their length in cells, and does not depend on the map's size or the length of the
+///            run; past the deadline it is that of one particle, and of what is linear in the particles.
 /// Promises:  the same seed, increments and scans give the same bits; poses, weights and maps are those of particles
 ///            with a copied map each (tests/core/slam/lslam_oracle_test.cpp).
 class Lslam {
@@ -64,7 +69,8 @@ class Lslam {
   void set_pose(const Pose2& map_T_scan);
 
   /// @param increment  From the scan of the last update to this one; ignored in the first. Finite.
-  [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan);
+  [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan,
+                                    const Deadline& deadline = {});
 
   /// How many particles there shall be, 1 to `params.particles`, which is what there is until somebody asks. Fewer come
   /// with the next update, which then resamples; more with the next resampling that the weights ask for. A replay that
@@ -106,10 +112,11 @@ class Lslam {
 
  private:
   void move(const MotionIncrement& increment, UpdateReport& report);
-  void weigh(const ScanFrame& scan, UpdateReport& report);
+  void weigh(const ScanFrame& scan, const Deadline& deadline, UpdateReport& report);
+  void weigh_until(const Deadline& deadline, UpdateReport& report);
   [[nodiscard]] ScoredPose refined(int particle, std::span<const Beam> beams);
   [[nodiscard]] bool select_survivors(UpdateReport& report);
-  void map_scan(const ScanFrame& scan, bool only_survivors);
+  void map_scan(const ScanFrame& scan, const Deadline& deadline, UpdateReport& report);
   void count(const AncestryGrid::Counters& before, std::int64_t thinned_before, UpdateReport& report);
 
   LslamParams params_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -43,6 +44,10 @@ class ParticleMaps {
 
   void add_log_weight(int particle, double log_likelihood) {
     log_weights_[static_cast<std::size_t>(particle)] += log_likelihood;
+  }
+  /// This one and all after it get the weight 0 with the next `normalise`; for survivors to be chosen after it.
+  void give_up_from(int particle) {
+    std::fill(log_weights_.begin() + particle, log_weights_.begin() + size(), -std::numeric_limits<double>::infinity());
   }
   void normalise();
 

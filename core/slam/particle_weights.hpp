@@ -4,7 +4,8 @@
 
 namespace odoless {
 
-/// Weights proportional to exp(log_weight), with sum 1. The spans have the same size, at least 1; finite values.
+/// Weights proportional to exp(log_weight), with sum 1. The spans have the same size, at least 1; finite values, or
+/// minus infinity, but not for all.
 void normalise_weights(std::span<const double> log_weights, std::span<double> weights);
 
 /// Number of equally weighted particles that would be worth as much: 1 / sum of squares [liu1996metropolized].

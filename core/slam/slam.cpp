@@ -44,8 +44,8 @@ void Slam::set_pose(const Pose2& map_T_scan) {
   }
 }
 
-UpdateReport Slam::update(const MotionIncrement& increment, const ScanFrame& scan) {
-  const UpdateReport report = low_.update(increment, scan);
+UpdateReport Slam::update(const MotionIncrement& increment, const ScanFrame& scan, const Deadline& deadline) {
+  const UpdateReport report = low_.update(increment, scan, deadline);
   if (high_) {
     Segment& segment = segments_[static_cast<std::size_t>(filling_)];
     ++updates_unfinished_;

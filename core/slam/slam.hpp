@@ -33,7 +33,9 @@ class Slam {
   /// not for real time.
   void set_pose(const Pose2& map_T_scan);
   /// @param increment  From the scan of the last update to this one; ignored in the first.
-  [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan);
+  /// @param deadline   See Lslam.
+  [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan,
+                                    const Deadline& deadline = {});
   /// One slice of HSLAM's work.
   void work();
   /// Ends the segment that is being filled, and finishes it: when a run is over. Not for real time.

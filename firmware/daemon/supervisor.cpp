@@ -57,7 +57,6 @@ Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t s
       tilt_keeper_(options.params.tilt, machine.tilt_line(), machine.pipeline().sensor.wake),
       signals_(block_signals()) {
   surroundings_.standing_reasons = standing_reasons;
-  surroundings_.device_tried = false;
 }
 
 int Supervisor::run() {

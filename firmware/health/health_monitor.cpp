@@ -69,7 +69,7 @@ std::uint32_t HealthMonitor::load_reasons(const HealthReport& report, std::int64
   for (const StageHealth& stage : report.stages) {
     misses += stage.deadline_misses;
   }
-  const std::int64_t dropped = report.lrf.dropped + report.records_dropped;
+  const std::int64_t dropped = report.lrf.dropped + report.records_dropped + report.updates_cut;
   return when(missed_.update(misses, now_ns, params_.deadline_memory_ns), kReasonDeadlineMissed) |
          when(dropped_.update(dropped, now_ns, params_.deadline_memory_ns), kReasonOverload) |
          when(unpublished_.update(report.publish_errors, now_ns, params_.deadline_memory_ns), kReasonPublishing);
@@ -117,6 +117,7 @@ void HealthMonitor::copy_figures(const SensorReport& sensor, const MatcherReport
                             : sensor.stage.allocations + matcher.stage.allocations + filter.stage.allocations;
   report_.scan_queue_high_water = surroundings.scan_queue_high_water;
   report_.motion_queue_high_water = surroundings.motion_queue_high_water;
+  report_.updates_cut = filter.updates_cut;
   report_.map_pool_used = filter.pool_used;
   report_.records_dropped = surroundings.records_dropped;
   report_.publish_errors = surroundings.publish_errors;

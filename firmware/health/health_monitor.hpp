@@ -33,7 +33,7 @@ struct HealthParams {
 /// What is known besides the stages' own reports.
 struct Surroundings {
   std::uint32_t standing_reasons = 0;  ///< that hold for the whole run: kReasonNotRealTime
-  bool device_tried = true;            ///< opening the device failed, or the line was lost
+  bool device_tried = false;           ///< opening the device failed, or the line was lost
   bool stage_silent = false;
   bool stopped = false;    ///< the emergency stop
   bool gpio_lost = false;  ///< a line of GPIO, or the sync pulse

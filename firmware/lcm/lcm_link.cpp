@@ -1,6 +1,7 @@
 #include "firmware/lcm/lcm_link.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <utility>
 
@@ -102,7 +103,10 @@ Errc LcmLink::send(const std::string& channel, const Message& message) {
   const int written_bytes = message.encode(buffer_.data(), 0, static_cast<int>(buffer_.size()));
   ODOLESS_CHECK(written_bytes == size_bytes);
   if (tap_ != nullptr) {
-    tap_->record(channel, {buffer_.data(), static_cast<std::size_t>(size_bytes)}, message.utime * 1000);
+    // As lcm-logger stamps what it hears; a replay's own stamps may be of another clock than those of its health.
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    tap_->record(channel, {buffer_.data(), static_cast<std::size_t>(size_bytes)},
+                 std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
   }
   return transmit(channel, static_cast<std::size_t>(size_bytes));
 }

@@ -30,6 +30,7 @@ class LcmTap {
   virtual ~LcmTap() = default;
 
   /// `message` is encoded, with its fingerprint, and lives as long as the call.
+  /// @param stamp_ns  When it was published, on the wall clock, whatever clock its own stamps are of.
   virtual void record(std::string_view channel, std::span<const std::byte> message, std::int64_t stamp_ns) = 0;
 };
 

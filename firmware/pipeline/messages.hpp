@@ -84,6 +84,7 @@ struct FilterReport {
   double pool_used = 0.0;
   std::int64_t refused_tiles = 0;
   std::int64_t outside_tiles = 0;
+  std::int64_t updates_cut = 0;  ///< ended by their deadline
   bool paused = false;
   bool lost = false;
 };

@@ -26,7 +26,7 @@ Publisher::Publisher(const PublisherParams& params, const GridGeometry& geometry
 void Publisher::round(std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   drain(pipeline_.sensor.outbox);
-  drain(pipeline_.matcher.outbox);
+  drain(pipeline_.matcher.outbox, &pipeline_.sensor.outbox);
   drain(pipeline_.filter.outbox);
   log_events(pipeline_.sensor.log);
   log_events(pipeline_.matcher.log);
@@ -44,8 +44,11 @@ void Publisher::keep_link_open(std::int64_t now_ns) {
   }
 }
 
-void Publisher::drain(Outbox& outbox) {
+void Publisher::drain(Outbox& outbox, Outbox* before) {
   while (const auto record = outbox.ring().front()) {
+    if (before != nullptr) {
+      drain(*before);
+    }
     take(static_cast<RecordType>(record->type), record->bytes);
     outbox.ring().pop();
   }

@@ -58,7 +58,9 @@ class Publisher {
   [[nodiscard]] std::size_t memory_bytes() const { return map_.memory_bytes() + (cloud_ ? cloud_->memory_bytes() : 0); }
 
  private:
-  void drain(Outbox& outbox);
+  /// @param before  What is in there was sent earlier and goes first: a motion never overtakes its scan, without which
+  ///                a filter elsewhere would have to go on.
+  void drain(Outbox& outbox, Outbox* before = nullptr);
   void take(RecordType type, std::span<const std::byte> bytes);
   void take_scan(std::span<const std::byte> bytes);
   void take_tilt(std::span<const std::byte> bytes);

@@ -24,7 +24,7 @@ enum HealthReason : std::uint32_t {
   kReasonPoorMatch = 1U << 5,       ///< scans do not fit to each other
   kReasonWeakDirection = 1U << 6,   ///< the scene does not say how far the robot went along one direction
   kReasonDiverged = 1U << 7,        ///< the scans do not fit to the map
-  kReasonOverload = 1U << 8,        ///< scans or records are dropped
+  kReasonOverload = 1U << 8,        ///< scans or records are dropped, or updates cut short
   kReasonDeadlineMissed = 1U << 9,  ///< a stage took longer than its budget
   kReasonNotRealTime = 1U << 10,    ///< real-time scheduling or locked memory was refused
   kReasonStorage = 1U << 11,        ///< a file cannot be written
@@ -86,6 +86,7 @@ struct HealthReport {
   std::int64_t allocations = 0;  ///< of the real-time threads since READY; -1: nobody counts
   std::int32_t scan_queue_high_water = 0;
   std::int32_t motion_queue_high_water = 0;
+  std::int64_t updates_cut = 0;      ///< of the filter, ended by their deadline
   double map_pool_used = 0.0;        ///< share of the map's pool in use, 0 to 1
   std::int64_t records_dropped = 0;  ///< between the real-time threads and the publisher
   std::int64_t publish_errors = 0;

@@ -21,11 +21,11 @@ MotionIncrement FilterStage::increment(std::int64_t stamp_ns) const {
   return {update_stamp_ns_, stamp_ns, update_T_scan_, gate_.widen_by_match ? error_ : MotionError{}};
 }
 
-FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step) {
+FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step, const Deadline& deadline) {
   compose(step);
   FilterStep out;
   if (!paused_ && gate_is_open()) {
-    out.report = filter_.update(increment(scan.stamp_ns()), scan);
+    out.report = filter_.update(increment(scan.stamp_ns()), scan, deadline);
     out.updated = true;
     started_ = true;
     update_stamp_ns_ = scan.stamp_ns();

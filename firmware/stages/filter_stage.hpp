@@ -27,7 +27,8 @@ class FilterStage {
  public:
   FilterStage(const RobotParams& params, std::uint64_t seed);
 
-  [[nodiscard]] FilterStep process(const ScanFrame& scan, const OdometryStep& step);
+  /// @param deadline  For a live filter that must keep its time (Lslam::update).
+  [[nodiscard]] FilterStep process(const ScanFrame& scan, const OdometryStep& step, const Deadline& deadline = {});
   /// A motion whose scan was lost: the pose goes on, and the next scan may update the filter.
   [[nodiscard]] FilterStep process(const OdometryStep& step);
 

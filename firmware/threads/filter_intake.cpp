@@ -1,6 +1,7 @@
 #include "firmware/threads/filter_intake.hpp"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "firmware/records/convert.hpp"
@@ -21,12 +22,9 @@ Eigen::Matrix3d in_current_axes(const OdometryStep& step) {
 }  // namespace
 
 void FilterIntake::take(ScanSlot slot) {
-  ScanSlot& place = waiting_[next_waiting_];
-  if (place != kNoSlot) {
-    give_back(place);
+  if (const std::optional<ScanSlot> evicted = pipeline().scans.push(slot)) {
+    give_back(*evicted);
   }
-  place = slot;
-  next_waiting_ = (next_waiting_ + 1) % kWaiting;
   if (has_held_ && pipeline().pool.at(slot).stamp_ns() == held_.step.to_stamp_ns) {
     held_.slot = scan_of(held_.step.to_stamp_ns);
     release();
@@ -34,12 +32,19 @@ void FilterIntake::take(ScanSlot slot) {
 }
 
 ScanSlot FilterIntake::scan_of(std::int64_t stamp_ns) {
-  for (ScanSlot& slot : waiting_) {
-    if (slot != kNoSlot && pipeline().pool.at(slot).stamp_ns() == stamp_ns) {
-      return std::exchange(slot, kNoSlot);
+  while (true) {
+    if (oldest_waiting_ == kNoSlot) {
+      oldest_waiting_ = pipeline().scans.try_pop().value_or(kNoSlot);
     }
+    if (oldest_waiting_ == kNoSlot || pipeline().pool.at(oldest_waiting_).stamp_ns() > stamp_ns) {
+      return kNoSlot;
+    }
+    const ScanSlot slot = std::exchange(oldest_waiting_, kNoSlot);
+    if (pipeline().pool.at(slot).stamp_ns() == stamp_ns) {
+      return slot;
+    }
+    give_back(slot);
   }
-  return kNoSlot;
 }
 
 OdometryStep FilterIntake::step_of(const MotionRecord& motion) const {

@@ -1,14 +1,13 @@
 #pragma once
 
-#include <array>
-
 #include "firmware/threads/intake.hpp"
 
 namespace odoless {
 
 /// The intake of a daemon whose matcher is elsewhere: brings each motion together with its scan and hands both to the
 /// filter. A motion that was lost is made up for by the next one's odom pose. One whose scan has not come waits for it
-/// until the next motion, and then only composes.
+/// until the next motion, and then only composes. Scans wait for their motions in the queue of scans, as long as one
+/// that waits for a matcher.
 ///
 /// Thread: sensor thread. Real time: as Intake.
 class FilterIntake final : public Intake {
@@ -19,15 +18,13 @@ class FilterIntake final : public Intake {
 
  private:
   void take(ScanSlot slot) override;
+  /// The waiting scan of this stamp; older ones go, for their motions have been lost.
   [[nodiscard]] ScanSlot scan_of(std::int64_t stamp_ns);
   [[nodiscard]] OdometryStep step_of(const MotionRecord& motion) const;
   /// Hands the held motion to the filter, if there is one.
   void release();
 
-  static constexpr std::size_t kWaiting = 4;  ///< scans whose motion has not come yet
-
-  std::array<ScanSlot, kWaiting> waiting_{kNoSlot, kNoSlot, kNoSlot, kNoSlot};
-  std::size_t next_waiting_ = 0;
+  ScanSlot oldest_waiting_ = kNoSlot;  ///< taken from the queue of scans, but its motion has not come yet
   bool started_ = false;
   Pose2 odom_T_last_{};
   std::int64_t last_stamp_ns_ = 0;

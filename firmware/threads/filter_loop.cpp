@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace odoless {
+namespace {
+
+constexpr double kDeadline = 0.75;  // of the budget: what is left is for what an update ends with
+
+}  // namespace
 
 FilterLoop::FilterLoop(Pipeline& pipeline, FilterStage& stage, const PipelineParams& params, double map_refresh_s)
     : pipeline_(pipeline),
@@ -39,8 +44,10 @@ void FilterLoop::run(const std::atomic<bool>& before) {
 
 void FilterLoop::process(const MotionMessage& message) {
   timer_.begin();
+  const CpuDeadline deadline(static_cast<std::int64_t>(kDeadline * static_cast<double>(budget_ns_)));
   const FilterStep step = message.slot == kNoSlot ? stage_.process(message.step)
-                                                  : stage_.process(pipeline_.pool.at(message.slot), message.step);
+                                                  : stage_.process(pipeline_.pool.at(message.slot), message.step,
+                                                                   pipeline_.lossless ? Deadline{} : deadline.view());
   if (message.slot != kNoSlot) {
     const bool pushed = pipeline_.slots_from_filter.try_push(message.slot);
     ODOLESS_CHECK(pushed);  // there is room for every slot
@@ -106,6 +113,7 @@ void FilterLoop::report(const FilterStep& step) {
     report_.log_likelihood_per_beam = step.report.log_likelihood_per_beam;
     report_.refused_tiles += step.report.refused_tiles;
     report_.outside_tiles += step.report.outside_tiles;
+    report_.updates_cut += step.report.unweighed_particles + step.report.unmapped_particles > 0 ? 1 : 0;
   }
   report_.pool_used = stage_.filter().pool_used();
   report_.paused = stage_.paused();

@@ -15,7 +15,8 @@ namespace odoless {
 /// poses and pieces of the map.
 ///
 /// Real time: no allocation after construction; system calls: those of WakeUp, the CPU clock, and getrusage. The
-/// particles adapt, so that an update keeps the budget; not in a lossless replay.
+/// particles adapt, so that an update keeps the budget, and a deadline ends what takes longer
+/// all the same; neither in a lossless replay.
 class FilterLoop {
  public:
   FilterLoop(Pipeline& pipeline, FilterStage& stage, const PipelineParams& params, double map_refresh_s);

@@ -4,6 +4,7 @@
 """
 
 import json
+import math
 import os
 import random
 import shutil
@@ -20,7 +21,8 @@ import unittest
 PROGRAMS, SOURCES = sys.argv[1:3]
 WORLD = os.path.join(SOURCES, "tools", "worlds", "rooms.world")
 GROUP = "239.255.76.67"
-RATE = 8  # recorded seconds per second
+LASER = ("--lrf", "utm-30lx")
+RATE = 2  # recorded seconds per second
 
 
 def program(name, *arguments):
@@ -70,7 +72,7 @@ class SplitTest(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         cls.folder = folder.name
         cls.log = cls.path("rooms.log")
-        subprocess.run(program("odoless", "sim", WORLD, "--out", cls.log), check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(program("odoless", "sim", WORLD, *LASER, "--out", cls.log), check=True, stdout=subprocess.DEVNULL)
         cls.port = 20000 + os.getpid() % 20000
 
     @classmethod
@@ -78,8 +80,9 @@ class SplitTest(unittest.TestCase):
         return os.path.join(cls.folder, name)
 
     def config(self, name, **tables):
-        # No budget is to change what comes out: the machine may be slow.
-        unbounded = {"matcher_budget_ms": 1000.0, "particles_min": 10_000}
+        # No budget and no queue is to change what comes out: the machine may be slow.
+        unbounded = {"matcher_budget_ms": 1000.0, "filter_budget_ms": 10_000.0, "particles_min": 10_000,
+                     "scan_queue": 1024, "motion_queue": 4096}
         tables = {"control": {"socket": ""}, "pipeline": unbounded} | tables
         with open(self.path(name + ".toml"), "w", encoding="utf-8") as file:
             for table, keys in tables.items():
@@ -89,9 +92,26 @@ class SplitTest(unittest.TestCase):
     def daemon(self, name, config, *more):
         log = open(self.path(name + ".txt"), "w", encoding="utf-8")
         self.addCleanup(log.close)
-        process = subprocess.Popen(program("odolessd", "--config", config, "--out", self.path(name), *more), stderr=log)
-        self.addCleanup(lambda: process.poll() is not None or process.kill())
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notified:  # as its service manager would
+            notified.settimeout(60)
+            notified.bind(self.path(name + ".notify"))
+            process = subprocess.Popen(program("odolessd", "--config", config, "--out", self.path(name), *more), stderr=log,
+                                       env=os.environ | {"NOTIFY_SOCKET": self.path(name + ".notify")})
+            self.addCleanup(lambda: process.poll() is not None or process.kill())
+            while b"READY=1" not in notified.recv(4096):
+                pass
         return process
+
+    def wait_until(self, name, holds):
+        """Until this daemon does so."""
+        end = time.monotonic() + 60
+        while not holds():
+            self.assertLess(time.monotonic(), end, f"{name}: did not happen in time")
+            time.sleep(0.05)
+
+    def says(self, name, what):
+        with open(self.path(name + ".txt"), encoding="utf-8") as log:
+            return what in log.read()
 
     def finish(self, name, process, signal_number=None):
         if signal_number is not None:
@@ -114,15 +134,15 @@ class SplitTest(unittest.TestCase):
     def split(self, name, dropped_share):
         """The same through two processes with a relay between them."""
         from_port, to_port = self.port, self.port + 1
-        self.port += 2
+        SplitTest.port += 2  # relays go on until the end
         relay = Relay(from_port, to_port, dropped_share)
         relay.start()
         after = self.daemon(name, self.config(name, lcm={"url": url(to_port)}), "--stages", "filter")
-        time.sleep(1.0)
         before = self.daemon(name + "_front", self.config(name + "_front", lcm={"url": url(from_port)}),
                              "--stages", "sensor,matcher", "--replay", self.log, "--rate", RATE)
         self.finish(name + "_front", before)
-        time.sleep(0.5)
+        self.wait_until(name, lambda: self.says(name, "no scans"))
+        time.sleep(1.0)  # what waits in its queues
         self.finish(name, after, signal.SIGTERM)
         return relay
 
@@ -142,15 +162,10 @@ class SplitTest(unittest.TestCase):
         self.assertGreater(self.summary("lossy")["datagrams_lost"], 10)
         lossy = poses(self.path("lossy/trajectory_online.tum"))
         self.assertGreater(len(lossy), 0.85 * len(whole))
-        answer = subprocess.run(program("odoless", "eval", "ate", self.path("whole/trajectory_online.tum"),
-                                        self.path("lossy/trajectory_online.tum"), "--json"),
-                                check=True, capture_output=True, text=True)
-        off_m = json.loads(answer.stdout)["translation_m"]
-        print(f"{relay.dropped} of {relay.dropped + relay.passed} datagrams lost: {off_m['rmse']:.3f} m off (RMS), "
-              f"at most {off_m['max']:.3f} m, {len(whole) - len(lossy)} poses missing", file=sys.stderr)
-        # Other particles are drawn after a loss: two seeds without any loss are up to 0.09 m apart at single poses.
-        self.assertLess(off_m["rmse"], 0.05)
-        self.assertLess(off_m["max"], 0.10)
+        off_m = max(math.dist(lossy[stamp], whole[stamp]) for stamp in lossy)
+        print(f"{relay.dropped} of {relay.dropped + relay.passed} datagrams lost: at most {off_m:.3f} m off, "
+              f"{len(whole) - len(lossy)} of {len(whole)} poses missing", file=sys.stderr)
+        self.assertLess(off_m, 0.05)
 
     def test_a_played_log_drives_the_daemon_to_the_same_map(self):
         player = shutil.which("lcm-logplayer")
@@ -159,10 +174,10 @@ class SplitTest(unittest.TestCase):
         self.whole()
         config = self.config("played", lcm={"url": url(self.port)}, lrf={"driver": "lcm", "channel": "ODOLESS_SCAN"})
         played = self.daemon("played", config)
-        time.sleep(1.0)
         subprocess.run([player, "--lcm-url=" + url(self.port) + "?ttl=0", "--regexp=ODOLESS_SCAN",
                         self.path("recorded.00000.lcm")], check=True, timeout=120, stdout=subprocess.DEVNULL)
-        time.sleep(0.5)
+        self.wait_until("played", lambda: self.says("played", "no scans"))
+        time.sleep(1.0)
         self.finish("played", played, signal.SIGTERM)
         for name in ("trajectory.tum", "map.pgm"):
             with open(self.path("whole/" + name), "rb") as one, open(self.path("played/" + name), "rb") as two:

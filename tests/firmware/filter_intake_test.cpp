@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "tests/support/temporary_folder.hpp"
@@ -91,6 +92,34 @@ TEST_F(FilterIntakeTest, AMotionWhoseScanIsLostOnlyComposes) {
   drain();
   EXPECT_EQ(has_scan_, (std::vector{true, false, true}));
   expect_sum_is(0, 3);
+}
+
+TEST_F(FilterIntakeTest, AsManyScansAsTheQueueHoldsWaitForASlowMatcher) {
+  const int many = static_cast<int>(pipeline_.scans.capacity());
+  for (int index = 1; index <= many; ++index) {
+    scan(index);
+  }
+  for (int index = 1; index <= many; ++index) {
+    intake_.on_motion(motion(index));
+  }
+  drain();
+  EXPECT_EQ(has_scan_, std::vector(static_cast<std::size_t>(many), true));
+  expect_sum_is(0, many);
+}
+
+TEST_F(FilterIntakeTest, OfMoreScansThanTheQueueHoldsTheOldestGoAndAreCounted) {
+  const int many = static_cast<int>(pipeline_.scans.capacity()) + 3;
+  for (int index = 1; index <= many; ++index) {
+    scan(index);
+  }
+  for (int index = 1; index <= many; ++index) {
+    intake_.on_motion(motion(index));
+  }
+  drain();
+  EXPECT_EQ(std::count(has_scan_.begin(), has_scan_.end(), false), 3);
+  EXPECT_TRUE(has_scan_.back());
+  EXPECT_EQ(pipeline_.scans.evicted(), 3U);
+  expect_sum_is(0, many);
 }
 
 TEST_F(FilterIntakeTest, TheNextMotionMakesUpForLostOnes) {

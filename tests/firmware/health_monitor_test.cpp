@@ -135,6 +135,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Growing{"Rejected", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.rejected; }},
         Growing{"Dropped", kReasonOverload, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.dropped; }},
+        Growing{"Cut", kReasonOverload, [](auto&, auto&, auto& filter, auto&) { ++filter.updates_cut; }},
         Growing{"Records", kReasonOverload, [](auto&, auto&, auto&, auto& around) { ++around.records_dropped; }},
         Growing{"Deadline", kReasonDeadlineMissed,
                 [](auto&, auto& matcher, auto&, auto&) { ++matcher.stage.deadline_misses; }},

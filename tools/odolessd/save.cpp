@@ -60,6 +60,7 @@ nlohmann::ordered_json summary_of(const DaemonResult& result) {
   summary["reconnects"] = health.lrf.reconnects;
   summary["datagrams_lost"] = health.lrf.datagrams_lost;
   summary["records_dropped"] = health.records_dropped;
+  summary["updates_cut"] = health.updates_cut;
   summary["page_faults"] = health.page_faults;
   summary["heap_calls"] = health.allocations;
   summary["sensor"] = stage_summary(health.stages[kSensorStage], result.cpu.sensor);

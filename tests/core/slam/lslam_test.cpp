@@ -209,6 +209,66 @@ TEST(Lslam, DropsParticlesForRoomWhenThePoolIsFullAndStaysOnTrack) {
   EXPECT_LT(lslam.estimate().map_T_scan.distance_m(room.map_T_scan()), 0.1);
 }
 
+/// Expires when it has been asked so many times.
+class AskedOften {
+ public:
+  explicit AskedOften(int times) : left_(times) {}
+  [[nodiscard]] Deadline view() const {
+    return {[](const void* self) { return --static_cast<const AskedOften*>(self)->left_ < 0; }, this};
+  }
+
+ private:
+  mutable int left_;
+};
+
+TEST(Lslam, GivesUpAtTheDeadlineWhatItHasNotWeighedOrMapped) {
+  const LslamParams params = room_filter();
+  for (const int asked : {0, 1, 20, 38, 39, 45, 60}) {
+    Lslam lslam(params, 1);
+    SimulatedRoom room(4, 120);
+    room.step();
+    static_cast<void>(lslam.update(room.increment(), room.scan()));
+    room.step();
+    const AskedOften deadline(asked);
+    const UpdateReport report = lslam.update(room.increment(), room.scan(), deadline.view());
+    EXPECT_EQ(report.unweighed_particles, std::max(0, params.particles - 1 - asked));
+    EXPECT_TRUE(report.resampled || asked >= params.particles - 1);
+    EXPECT_LE(report.unmapped_particles, params.particles - 1);
+    EXPECT_EQ(lslam.particles(), params.particles);
+  }
+}
+
+TEST(Lslam, StaysOnTrackWhereTheDeadlineEndsEveryOtherUpdate) {
+  Lslam lslam(room_filter(), 1);
+  SimulatedRoom room(4, 120);
+  int unweighed = 0;
+  int unmapped = 0;
+  for (int i = 0; i < 150; ++i) {
+    room.step();
+    const AskedOften deadline(i % 2 == 0 ? 1000 : 10 + i % 50);
+    const UpdateReport report = lslam.update(room.increment(), room.scan(), deadline.view());
+    unweighed += report.unweighed_particles;
+    unmapped += report.unmapped_particles;
+  }
+  EXPECT_GT(unweighed, 0);
+  EXPECT_GT(unmapped, 0);
+  EXPECT_LT(lslam.estimate().map_T_scan.distance_m(room.map_T_scan()), 0.1);
+}
+
+TEST(Lslam, WithADeadlineThatIsNotReachedGivesTheBitsOfNone) {
+  const auto run = [](bool with_deadline) {
+    Lslam lslam(room_filter(), 1);
+    SimulatedRoom room(4);
+    for (int i = 0; i < 20; ++i) {
+      room.step();
+      const AskedOften deadline(1000);
+      static_cast<void>(lslam.update(room.increment(), room.scan(), with_deadline ? deadline.view() : Deadline{}));
+    }
+    return all_numbers(lslam);
+  };
+  EXPECT_EQ(run(true), run(false));
+}
+
 TEST(Lslam, CountsWhatLiesOutsideOfItsGrid) {
   LslamParams params = room_filter();
   params.grid.width_m = params.grid.height_m = 3.2;
