@@ -12,13 +12,13 @@ namespace odoless {
 /// The poses of the level scans, for the pose at any moment between: even motion from one to the next.
 ///
 /// Where a nodding laser begins to turn between two level passes, the motion was not even. The turn rate of the
-/// intervals before and after shows it: where theirs could put the yaw wrong by more than a bound, no pose is known.
+/// intervals before and after shows it: where theirs could put the yaw wrong by more than that, no pose is known.
 ///
 /// Thread:    one thread. Real time: as StampedHistory.
 class PoseTrack {
  public:
   /// @param gap_max_ns        Between poses farther apart nothing is known.
-  /// @param yaw_doubt_max_rad  Nor where the yaw may be off by more.
+  /// @param yaw_doubt_max_rad  Nor where the yaw may be off by more than twice this.
   PoseTrack(std::size_t capacity, std::int64_t gap_max_ns, double yaw_doubt_max_rad)
       : poses_(capacity, gap_max_ns), yaw_doubt_max_rad_(yaw_doubt_max_rad) {}
 
