@@ -16,8 +16,8 @@ double PoseTrack::turn_rate_radps(std::size_t i) const {
   return wrap_angle(to.value.yaw_rad - from.value.yaw_rad) / seconds(to.stamp_ns - from.stamp_ns);
 }
 
-// Where a turn begins within an interval T, its rate differs by w or more from one neighbour's, and even motion puts the
-// yaw off by w T / 2 at most: twice the doubt. Halfway through, where most scans are, it is w T / 4.
+// Where a turn begins within an interval T, its rate differs by w or more from one neighbour's, and even motion puts
+// the yaw off by w T / 2 at most: twice the doubt. Halfway through, where most scans are, it is w T / 4.
 Result<Pose2> PoseTrack::at(std::int64_t stamp_ns) const {
   Result<Pose2> pose = poses_.at(stamp_ns);
   if (!pose.ok()) {
