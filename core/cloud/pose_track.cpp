@@ -24,7 +24,7 @@ Result<Pose2> PoseTrack::at(std::int64_t stamp_ns) const {
     return pose;
   }
   const std::size_t before = poses_.last_not_later(stamp_ns);
-  if (poses_.sample(before).stamp_ns == stamp_ns) {
+  if (poses_.sample(before).stamp_ns == stamp_ns || poses_.sample(before + 1).stamp_ns == stamp_ns) {
     return pose;
   }
   if (before + 2 >= poses_.size()) {
