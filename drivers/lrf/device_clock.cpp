@@ -17,6 +17,7 @@ constexpr int kBucketsToTrust = 4;
 constexpr double kLateMaxS = 0.5;
 constexpr double kSameResetS = 0.05;
 constexpr int kConfirmations = 3;
+constexpr int kLateConfirmations = 8;
 constexpr double kTurnsRemembered = 400.0;
 constexpr double kTurnsMax = 20.0;
 
@@ -48,6 +49,7 @@ void DeviceClock::restart(std::uint32_t device_ms, std::int64_t arrival_ns) {
   count_ = 0;
   even_s_ = -1e9;
   turn_s_ = period_s_;
+  late_in_a_row_ = 0;
   started_ = true;
 }
 
@@ -69,9 +71,19 @@ double DeviceClock::late_s(const Sample& sample) const {
 // A scan that waited in a buffer while this process was held up is late, but its stamp follows the one before.
 bool DeviceClock::plausible(const Sample& sample) const {
   const double step_s = sample.device_s - static_cast<double>(last_device_ms_ - device_origin_ms_) * kResolutionS;
-  const bool follows = step_s > period_s_ / 2.0 && (step_s < 1.0 || late_s(sample) < kLateMaxS);
+  // In a new stream nothing has waited yet: a counter a little ahead of the last one's is another device's.
+  const bool waited = step_s < 1.0 && !fresh_;
+  const bool follows = step_s > period_s_ / 2.0 && (waited || late_s(sample) < (fresh_ ? kSameResetS : kLateMaxS));
   // At first, what came before may have been late; that it is early then is news.
   return follows && late_s(sample) > (count_ < kBucketsToTrust ? -kLateMaxS : -kEarlyMaxS);
+}
+
+// Scans from a buffer are less late one by one; those of a counter that stood still or was set back stay as late.
+bool DeviceClock::stays_late(const Sample& sample) {
+  const bool as_late = std::abs(sample.offset_s - late_offset_s_) < period_s_ / 4.0;
+  late_in_a_row_ = late_s(sample) < kLateMaxS ? 0 : as_late ? late_in_a_row_ + 1 : 1;
+  late_offset_s_ = sample.offset_s;
+  return late_in_a_row_ >= kLateConfirmations;
 }
 
 bool DeviceClock::confirmed_reset(const Sample& sample) {
@@ -172,8 +184,9 @@ Result<std::int64_t> DeviceClock::host_ns(std::uint32_t device_ms, std::int64_t 
     restart(device_ms, arrival_ns);
   }
   Sample now = sample(unwrapped_ms(device_ms, arrival_ns), arrival_ns);
-  if (!first && !plausible(now)) {
-    if (!confirmed_reset(now)) {
+  const bool plausible = first || this->plausible(now);
+  if (!first && (stays_late(now) || !plausible)) {
+    if (!plausible && !confirmed_reset(now)) {
       return Errc::kImplausibleStamp;
     }
     ++resets_;

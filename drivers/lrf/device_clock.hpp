@@ -15,7 +15,8 @@ namespace odoless {
 /// of the truth after 10 s.
 ///
 /// Tracks the wrap of the counter's 24 bits. A counter that starts anew (reset, reboot) is seen after three stamps,
-/// one that stands still likewise; then the stamp is the arrival less the delay, so that the host's stamps never jump.
+/// or eight where it goes on as if it had been late; one that stands still after three, too; then the stamp is the
+/// arrival less the delay, so that the host's stamps never jump.
 ///
 /// Thread: one thread. Real time: no allocation; at most 64 steps per call.
 class DeviceClock {
@@ -47,6 +48,7 @@ class DeviceClock {
   [[nodiscard]] Sample sample(std::int64_t device_ms, std::int64_t arrival_ns) const;
   [[nodiscard]] double late_s(const Sample& sample) const;
   [[nodiscard]] bool plausible(const Sample& sample) const;
+  [[nodiscard]] bool stays_late(const Sample& sample);
   [[nodiscard]] bool confirmed_reset(const Sample& sample);
   void learn(const Sample& sample);
   void fit();
@@ -68,6 +70,8 @@ class DeviceClock {
   int standing_still_ = 0;
   int suspects_ = 0;
   double suspect_offset_s_ = 0.0;
+  int late_in_a_row_ = 0;
+  double late_offset_s_ = 0.0;
   std::uint64_t resets_ = 0;
 
   double even_s_ = 0.0;  ///< the last stamp, finer than the counter tells

@@ -46,7 +46,8 @@ std::uint32_t HealthMonitor::sensor_reasons(const SensorReport& sensor, const Su
   const bool silent = sensor.last_scan_ns == 0 || age_ns > std::max(silent_ns, std::int64_t{1});
   return when(silent && sensor.period_ns > 0, kReasonNoScans) |
          when(!sensor.open && (surroundings.device_tried || sensor.last_scan_ns != 0), kReasonDeviceClosed) |
-         when(rejected_.update(sensor.source.rejected, now_ns, params_.deadline_memory_ns), kReasonBadScans) |
+         when(rejected_.update(sensor.source.rejected + sensor.source.late, now_ns, params_.deadline_memory_ns),
+              kReasonBadScans) |
          when(sensor.tilt.used && !sensor.tilt.obeys, kReasonTilt) |
          when(sensor.tilt.used && !sensor.tilt.level, kReasonNotLevel) | when(sensor.blind, kReasonBlind) |
          when(sensor.stuck, kReasonStuck) |

@@ -134,6 +134,7 @@ INSTANTIATE_TEST_SUITE_P(
     Counts, GrowingCount,
     ::testing::Values(
         Growing{"Rejected", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.rejected; }},
+        Growing{"Late", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.late; }},
         Growing{"Dropped", kReasonOverload, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.dropped; }},
         Growing{"Cut", kReasonOverload, [](auto&, auto&, auto& filter, auto&) { ++filter.updates_cut; }},
         Growing{"Records", kReasonOverload, [](auto&, auto&, auto&, auto& around) { ++around.records_dropped; }},

@@ -111,6 +111,37 @@ TEST(DeviceClock, AStreamThatStartsAnewWithAnotherCounterLosesNothing) {
   EXPECT_LT(std::abs(stamp_ns.value() - device.true_ns(700)), kMs);
 }
 
+TEST(DeviceClock, AnotherDeviceWhoseCounterIsALittleAheadIsNotTakenForALateScan) {
+  Device device;
+  for (const std::uint32_t ahead_ms : {20U, 100U, 900U, 1900U}) {
+    DeviceClock clock;
+    clock.start(device.period_ns, kDelayNs);
+    static_cast<void>(worst_ms(clock, device, 0, 100));
+    clock.start(device.period_ns, kDelayNs);
+    for (int scan = 180; scan < 200; ++scan) {  // 2 s later
+      const std::uint32_t counter_ms = device.counter_ms(99) + ahead_ms + static_cast<std::uint32_t>(scan - 180) * 25;
+      const Result<std::int64_t> stamp_ns = clock.host_ns(counter_ms, device.arrival_ns(scan));
+      ASSERT_TRUE(stamp_ns.ok()) << ahead_ms;
+      EXPECT_LT(std::abs(stamp_ns.value() - device.true_ns(scan)), kMs) << ahead_ms;
+    }
+  }
+}
+
+TEST(DeviceClock, ACounterThatWasSetBackForSecondsIsSeenAfterEightScans) {
+  Device device{.jitter_ms = 3.0};
+  DeviceClock clock;
+  clock.start(device.period_ns, kDelayNs);
+  static_cast<void>(worst_ms(clock, device, 0, 400));
+  for (int scan = 480; scan < 600; ++scan) {  // the device was away for 2 s, and its counter goes on where it was
+    const Result<std::int64_t> stamp_ns = clock.host_ns(device.counter_ms(scan - 80), device.arrival_ns(scan));
+    ASSERT_TRUE(stamp_ns.ok());
+    if (scan >= 488) {
+      EXPECT_LT(std::abs(stamp_ns.value() - device.true_ns(scan)), 4 * kMs) << scan;
+    }
+  }
+  EXPECT_EQ(clock.resets(), 1U);
+}
+
 TEST(DeviceClock, AWrongStampIsRefusedAndTeachesNothing) {
   Device device{.jitter_ms = 1.0};
   DeviceClock clock;
