@@ -140,8 +140,9 @@ ClockEstimate align_clocks(const TiltLog& log, const CloudSetup& setup, const Re
   }
   constexpr double kClearlyThinner = 0.98;
   constexpr std::int64_t kEnd_ns = 380'000'000;
-  best.is_told = best.voxels_per_return < kClearlyThinner * before &&
-                 std::abs(best.clock_ahead_ns - setup.servo.clock_ahead_ns) < kEnd_ns;
+  constexpr std::int64_t kBias_ns = 20'000'000;  // nearer, the rows are the better judge: the search errs by some 6 ms
+  const std::int64_t off_ns = std::abs(best.clock_ahead_ns - setup.servo.clock_ahead_ns);
+  best.is_told = best.voxels_per_return < kClearlyThinner * before && off_ns < kEnd_ns && off_ns > kBias_ns;
   best.clock_ahead_ns = best.is_told ? best.clock_ahead_ns : setup.servo.clock_ahead_ns;
   return best;
 }
