@@ -106,5 +106,31 @@ TEST(RayCaster, DoorTakesNothingOfAWallThatItDoesNotReach) {
   EXPECT_TRUE(without_disc(wall, {5.0, 0.0}, 6.0).empty());
 }
 
+// To and fro along 3 m and 4 m at 1 m/s: out for 7 s, back for 7 s.
+TEST(Walker, GoesToAndFroAtItsSpeed) {
+  const Walker walker{0.25, 1.0, {{0.0, 0.0}, {3.0, 0.0}, {3.0, 4.0}}};
+  const auto expect_at = [&](double time_s, double x_m, double y_m) {
+    const Pillar body = at_time(walker, time_s);
+    EXPECT_NEAR(body.centre.x_m, x_m, 1e-9) << time_s;
+    EXPECT_NEAR(body.centre.y_m, y_m, 1e-9) << time_s;
+    EXPECT_EQ(body.radius_m, 0.25);
+  };
+  expect_at(-1.0, 0.0, 0.0);
+  expect_at(2.0, 2.0, 0.0);
+  expect_at(5.0, 3.0, 2.0);
+  expect_at(7.0, 3.0, 4.0);
+  expect_at(9.0, 3.0, 2.0);
+  expect_at(13.0, 1.0, 0.0);
+  expect_at(14.0 + 2.0, 2.0, 0.0);
+}
+
+TEST(RayCaster, SeesWalkersWhereTheyAreAtTheTime) {
+  World world;
+  world.walkers = {{0.5, 1.0, {{4.0, -2.0}, {4.0, 2.0}}}};
+  EXPECT_NEAR(cast_ray_m(world, 2.0, {0.0, 0.0}, {1.0, 0.0}), 3.5, 1e-9);
+  EXPECT_TRUE(std::isinf(cast_ray_m(world, 0.0, {0.0, 0.0}, {1.0, 0.0})));
+  EXPECT_TRUE(std::isinf(cast_ray_m(world, {0.0, 0.0}, {1.0, 0.0}))) << "without a time there are none";
+}
+
 }  // namespace
 }  // namespace odoless

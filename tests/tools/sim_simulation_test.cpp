@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <sstream>
 
 #include "tests/tools/sim_support.hpp"
@@ -124,15 +125,42 @@ TEST_P(ExampleWorld, HasThePathThatItPromisesClearOfEverySurface) {
   EXPECT_GE(nearest_m, GetParam().clearance_m);
 }
 
-INSTANTIATE_TEST_SUITE_P(Worlds, ExampleWorld,
-                         ::testing::Values(Example{"office.world", 140.0, 180.0, 0.3},
-                                           Example{"corridor.world", 25.0, 30.0, 0.9},
-                                           Example{"hall.world", 80.0, 120.0, 3.0},
-                                           Example{"rooms.world", 60.0, 90.0, 0.3}));
+INSTANTIATE_TEST_SUITE_P(
+    Worlds, ExampleWorld,
+    ::testing::Values(Example{"office.world", 140.0, 180.0, 0.3}, Example{"corridor.world", 25.0, 30.0, 0.9},
+                      Example{"hall.world", 80.0, 120.0, 3.0}, Example{"symmetric.world", 25.0, 40.0, 0.3},
+                      Example{"people.world", 40.0, 70.0, 0.3}, Example{"cave.world", 70.0, 120.0, 0.5},
+                      Example{"rooms.world", 60.0, 90.0, 0.3}));
 
 TEST(ExampleWorlds, RoomsHasTheScansOfTheSeedsExperiment) {
   const World world = read_world(test::example_world("rooms.world"));
   EXPECT_NEAR(simulate(world, {}, 1).scans, 366, 2);
+}
+
+// Seen from a point and from its image through the middle, the room is the same but for the noise.
+TEST(ExampleWorlds, SymmetricLooksTheSameFromTheOppositeCorner) {
+  const World world = read_world(test::example_world("symmetric.world"));
+  const Pose2 world_T_image{12.0, 8.0, std::numbers::pi};
+  for (int i = 0; i < 360; ++i) {
+    const double angle_rad = i * test::kRadPerDeg;
+    const double range_m = cast_ray_m(world, {1.5, 3.0}, {std::cos(angle_rad), std::sin(angle_rad)});
+    const double image_m =
+        cast_ray_m(world, world_T_image * Point2{1.5, 3.0}, {-std::cos(angle_rad), -std::sin(angle_rad)});
+    EXPECT_NEAR(range_m, image_m, 1e-6) << i;
+  }
+}
+
+TEST(ExampleWorlds, PeopleWalkAndNeverIntoTheRobot) {
+  const World world = read_world(test::example_world("people.world"));
+  ASSERT_EQ(world.walkers.size(), 7U);
+  const Path path(world.waypoints);
+  for (double time_s = 0.0; time_s < path.duration_s(); time_s += 0.05) {
+    const Pose2 robot = path.at(time_s);
+    for (const Walker& walker : world.walkers) {
+      const Pillar body = at_time(walker, time_s);
+      EXPECT_GT(std::hypot(body.centre.x_m - robot.x_m, body.centre.y_m - robot.y_m), body.radius_m + 0.1) << time_s;
+    }
+  }
 }
 
 TEST(ExampleWorlds, HallIsWiderThanALaserOf30MetresReaches) {

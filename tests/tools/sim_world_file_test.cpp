@@ -34,11 +34,17 @@ TEST(WorldFile, ReadsEveryStatement) {
       "door 4 2 1\n"
       "\tbox 8 0.9  2 1  90\n"
       "pillar 9 3 0.25\n"
+      "walker 0.3 1.5  1 1  1 3  2 3\n"
       "go 1 2\nspeed 2\nturn_rate 90\ncorner_radius 0\ngo 3 2  5 2\n",
       "my.world");
   EXPECT_EQ(world.segments.size(), 4U + 2U + 1U + 4U);
   ASSERT_EQ(world.pillars.size(), 1U);
   EXPECT_EQ(world.pillars[0].radius_m, 0.25);
+  ASSERT_EQ(world.walkers.size(), 1U);
+  EXPECT_EQ(world.walkers[0].radius_m, 0.3);
+  EXPECT_EQ(world.walkers[0].speed_mps, 1.5);
+  ASSERT_EQ(world.walkers[0].waypoints.size(), 3U);
+  EXPECT_EQ(world.walkers[0].waypoints[2].x_m, 2.0);
   ASSERT_EQ(world.waypoints.size(), 3U);
   EXPECT_EQ(world.waypoints[0].speed_mps, Waypoint{}.speed_mps);
   EXPECT_EQ(world.waypoints[1].speed_mps, 2.0);
@@ -75,6 +81,9 @@ TEST(WorldFile, ErrorsSayWhereAndWhatWouldBeRight) {
                                     {"box 0 0 1 1 1 1", "my.world:1: ", "box X Y WIDTH HEIGHT [YAW_DEG]"},
                                     {"pillar 0 0 0", "my.world:1: RADIUS in m is 0", "0.001 to 10000"},
                                     {"pillar 1e9 0 1", "my.world:1: X in m is 1000000000", "-10000 to 10000"},
+                                    {"walker 0.3 1 2 2", "my.world:1: ", "walker RADIUS SPEED X Y X Y ..."},
+                                    {"walker 0.3 1 2 2 2 2", "my.world:1: ", "points that differ"},
+                                    {"walker 0.3 0 2 2 3 2", "my.world:1: the speed in m/s is 0", "0.01 to 20"},
                                     {"speed 0", "my.world:1: the speed in m/s is 0", "0.01 to 20"},
                                     {"turn_rate -1", "my.world:1: ", "0.1 to 3600"},
                                     {"corner_radius -1", "my.world:1: ", "0 to 100"},
@@ -90,7 +99,8 @@ TEST(WorldFile, ErrorsSayWhereAndWhatWouldBeRight) {
 }
 
 TEST(WorldFile, HelpNamesEveryStatement) {
-  for (const char* name : {"wall", "room", "door", "box", "pillar", "speed", "turn_rate", "corner_radius", "go"}) {
+  for (const char* name :
+       {"wall", "room", "door", "box", "pillar", "walker", "speed", "turn_rate", "corner_radius", "go"}) {
     EXPECT_THAT(world_statements(), HasSubstr(std::string("  ") + name + " "));
   }
 }

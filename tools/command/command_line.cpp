@@ -12,6 +12,7 @@
 #include "tools/command/emulate.hpp"
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
+#include "tools/command/experiment.hpp"
 #include "tools/command/info.hpp"
 #include "tools/command/probe.hpp"
 #include "tools/command/replay.hpp"
@@ -34,6 +35,7 @@ void add_commands(CLI::App& app) {
   add_info(app);
   add_eval(app);
   add_sim(app);
+  add_experiment(app);
   add_emulate(app);
   add_probe(app);
   add_ctl(app);

@@ -29,8 +29,9 @@ void WorldSource::measure(std::int64_t index, std::span<const EmulatedBeam> beam
       world_T_scan = pose_at(start_ns(index) + beams[i].time_ns);
     }
     const double angle_rad = world_T_scan.yaw_rad + beams[i].angle_rad;
-    const double true_m =
-        cast_ray_m(drive_.world, {world_T_scan.x_m, world_T_scan.y_m}, {std::cos(angle_rad), std::sin(angle_rad)});
+    const double time_s = static_cast<double>(start_ns(index) + (drive_.distortion ? beams[i].time_ns : 0)) * 1e-9;
+    const double true_m = cast_ray_m(drive_.world, time_s, {world_T_scan.x_m, world_T_scan.y_m},
+                                     {std::cos(angle_rad), std::sin(angle_rad)});
     ranges_m[i] = std::max(0.0, true_m + drive_.noise_sd_m * noise.normal());
   }
 }

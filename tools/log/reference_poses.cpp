@@ -86,6 +86,10 @@ bool starts_with_letter(std::string_view text) {
 
 ReferencePoses read_reference_poses(const std::filesystem::path& path) {
   LineReader lines(open_bytes(path), path.string());
+  return read_reference_poses(lines);
+}
+
+ReferencePoses read_reference_poses(LineReader& lines) {
   LogPoses log;
   ReferencePoses result;
   Fields fields;

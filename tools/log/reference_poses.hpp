@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.hpp"
+#include "tools/log/line_reader.hpp"
 
 namespace odoless {
 
@@ -23,5 +24,8 @@ struct ReferencePoses {
 /// or TUM `stamp tx ty tz qx qy qz qw`; told apart by content, `#` begins a comment.
 /// @throws DataError, NoInputError, IoError.
 [[nodiscard]] ReferencePoses read_reference_poses(const std::filesystem::path& path);
+
+/// The same from lines that somebody else opened.
+[[nodiscard]] ReferencePoses read_reference_poses(LineReader& lines);
 
 }  // namespace odoless

@@ -17,4 +17,8 @@ namespace odoless {
 /// Writes map.pgm and map.yaml into a folder, each whole or not at all. @throws CannotCreateError, IoError.
 void write_map(const std::filesystem::path& folder, const OccupancyMap& map);
 
+/// Reads back what `write_map` wrote: cells are 100 % (occupied), 0 % (free) or unknown.
+/// @throws NoInputError, IoError, and DataError where the files are of another make.
+[[nodiscard]] OccupancyMap read_map(const std::filesystem::path& folder);
+
 }  // namespace odoless

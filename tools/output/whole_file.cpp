@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <system_error>
 
@@ -44,6 +45,19 @@ void write_whole_file(const std::filesystem::path& path, std::string_view bytes)
     std::filesystem::remove(unfinished, ignored);
     throw CannotCreateError(failure(path, "cannot be created", error.message()));
   }
+}
+
+std::string read_whole_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    throw NoInputError(failure(path, "cannot be opened", system_reason(errno)));
+  }
+  std::ostringstream bytes;
+  bytes << file.rdbuf();
+  if (file.bad()) {
+    throw IoError(failure(path, "reading failed", system_reason(errno)));
+  }
+  return std::move(bytes).str();
 }
 
 void make_output_folder(const std::filesystem::path& folder) {

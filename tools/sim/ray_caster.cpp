@@ -55,4 +55,12 @@ double cast_ray_m(const World& world, const Point2& origin, const Point2& direct
   return range_m;
 }
 
+double cast_ray_m(const World& world, double time_s, const Point2& origin, const Point2& direction) {
+  double range_m = cast_ray_m(world, origin, direction);
+  for (const Walker& walker : world.walkers) {
+    range_m = std::min(range_m, ray_to_pillar(at_time(walker, time_s), origin, direction));
+  }
+  return range_m;
+}
+
 }  // namespace odoless

@@ -6,6 +6,10 @@ namespace odoless {
 
 /// Distance from `origin` along the unit vector `direction` (both in the world frame) to the first surface, exact but
 /// for rounding; infinity where there is none. A surface seen edge-on is not seen. Linear in the world's surfaces.
+/// Walkers are not there.
 [[nodiscard]] double cast_ray_m(const World& world, const Point2& origin, const Point2& direction);
+
+/// The same with the walkers where they are at that time.
+[[nodiscard]] double cast_ray_m(const World& world, double time_s, const Point2& origin, const Point2& direction);
 
 }  // namespace odoless

@@ -1,5 +1,6 @@
 #include "tools/sim/world.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -34,6 +35,8 @@ std::optional<Shares> shares_within(const Segment& wall, const Point2& centre, d
   return Shares{middle - half, middle + half};
 }
 
+double distance_m(const Point2& a, const Point2& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
+
 }  // namespace
 
 std::vector<Segment> rectangle(const Pose2& world_T_rectangle, double width_m, double height_m) {
@@ -44,6 +47,24 @@ std::vector<Segment> rectangle(const Pose2& world_T_rectangle, double width_m, d
     corner = world_T_rectangle * corner;
   }
   return {{corners[0], corners[1]}, {corners[1], corners[2]}, {corners[2], corners[3]}, {corners[3], corners[0]}};
+}
+
+Pillar at_time(const Walker& walker, double time_s) {
+  const std::vector<Point2>& points = walker.waypoints;
+  double length_m = 0.0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    length_m += distance_m(points[i - 1], points[i]);
+  }
+  const double way_m = std::fmod(std::max(0.0, time_s) * walker.speed_mps, 2.0 * length_m);
+  double left_m = way_m <= length_m ? way_m : 2.0 * length_m - way_m;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double leg_m = distance_m(points[i - 1], points[i]);
+    if (left_m <= leg_m) {
+      return {along({points[i - 1], points[i]}, left_m / leg_m), walker.radius_m};
+    }
+    left_m -= leg_m;
+  }
+  return {points.back(), walker.radius_m};
 }
 
 std::vector<Segment> without_disc(const Segment& wall, const Point2& centre, double radius_m) {

@@ -9,6 +9,13 @@
 
 namespace odoless {
 
+/// A round body that walks to and fro along its way points, at the first one at time 0; world frame.
+struct Walker {
+  double radius_m = 0.0;
+  double speed_mps = 0.0;
+  std::vector<Point2> waypoints{};
+};
+
 /// A point that the robot's path runs through, and how the robot moves to it.
 struct Waypoint {
   Point2 position;  ///< world frame
@@ -22,11 +29,15 @@ struct World {
   std::vector<Segment> segments{};
   std::vector<Pillar> pillars{};
   std::vector<Waypoint> waypoints{};
+  std::vector<Walker> walkers{};
   Building building{};  ///< the same in space
 };
 
 /// The four sides of a rectangle; its middle and direction are `world_T_rectangle`.
 [[nodiscard]] std::vector<Segment> rectangle(const Pose2& world_T_rectangle, double width_m, double height_m);
+
+/// Where a walker stands at that time.
+[[nodiscard]] Pillar at_time(const Walker& walker, double time_s);
 
 /// What is left of `wall` (0 to 2 pieces) without its part that is nearer to `centre` than `radius_m`.
 [[nodiscard]] std::vector<Segment> without_disc(const Segment& wall, const Point2& centre, double radius_m);

@@ -28,6 +28,7 @@ class WorldBuilder {
   void add_table(const Pose2& world_T_middle, double width_m, double depth_m);
   /// From the floor to the ceiling.
   void add_pillar(const Pillar& pillar) { add_column(pillar, kCeiling); }
+  void add_walker(const Walker& walker) { world_.walkers.push_back(walker); }
   void add_door(const Point2& centre, double width_m) {
     doors_.push_back({centre, width_m / 2.0, heights_.door_m, line_});
   }

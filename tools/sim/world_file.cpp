@@ -98,6 +98,19 @@ void pillar(const Fields& fields, WorldBuilder& builder) {
   builder.add_pillar({point(fields, 1), number(fields, 3, kSizeM, "RADIUS in m")});
 }
 
+void walker(const Fields& fields, WorldBuilder& builder) {
+  Walker walker{number(fields, 1, kSizeM, "RADIUS in m"), number(fields, 2, kSpeedMps, "the speed in m/s"), {}};
+  constexpr std::size_t kFirst = 3;
+  for (std::size_t i = kFirst; i < fields.size(); i += 2) {
+    walker.waypoints.push_back(point(fields, i));
+    const Point2& here = walker.waypoints.back();
+    if (i > kFirst && here.x_m == walker.waypoints.end()[-2].x_m && here.y_m == walker.waypoints.end()[-2].y_m) {
+      fields.fail("two successive points of the walker's way are the same", "points that differ");
+    }
+  }
+  builder.add_walker(walker);
+}
+
 void speed(const Fields& fields, WorldBuilder& builder) {
   builder.motion().speed_mps = number(fields, 1, kSpeedMps, "the speed in m/s");
 }
@@ -127,7 +140,7 @@ struct Statement {
 
 constexpr std::size_t kAny = 1'000'000;
 constexpr std::size_t kShownBytesMax = 24;
-constexpr std::array<Statement, 14> kStatements{{
+constexpr std::array<Statement, 15> kStatements{{
     {"wall", 4, kAny, true, "wall X Y X Y ...", wall},
     {"room", 4, 4, false, "room X Y WIDTH HEIGHT", room},
     {"door", 3, 3, false, "door X Y WIDTH", door},
@@ -138,6 +151,7 @@ constexpr std::array<Statement, 14> kStatements{{
     {"door_height", 1, 1, false, "door_height METRES", door_height},
     {"box_height", 1, 1, false, "box_height METRES", box_height},
     {"table_height", 1, 1, false, "table_height METRES", table_height},
+    {"walker", 6, kAny, true, "walker RADIUS SPEED X Y X Y ...", walker},
     {"speed", 1, 1, false, "speed METRES_PER_SECOND", speed},
     {"turn_rate", 1, 1, false, "turn_rate DEGREES_PER_SECOND", turn_rate},
     {"corner_radius", 1, 1, false, "corner_radius METRES", corner_radius},
