@@ -39,6 +39,7 @@ struct TiltParams {
   double speed_radps = 1.0471975511965976;
   double acceleration_radps2 = 10.471975511965978;
   double tolerance_rad = 0.008726646259971648;
+  double level_tolerance_rad = 0.017453292519943295;
   std::int64_t sample_period_ns = 10'000'000;
   std::int64_t heartbeat_period_ns = 100'000'000;
   std::int64_t reply_timeout_ns = 50'000'000;
@@ -79,6 +80,8 @@ struct TiltParams {
     visit.value("speed_radps", self.speed_radps, Range{0.01, 20.0}, "Speed of the servo.");
     visit.value("acceleration_radps2", self.acceleration_radps2, Range{0.1, 1000.0}, "Acceleration of the servo.");
     visit.value("tolerance_rad", self.tolerance_rad, Range{0.0005, 0.1}, "How near to an angle counts as there.");
+    visit.value("level_tolerance_rad", self.level_tolerance_rad, Range{0.001, 0.2},
+                "How far from level the laser may be for 2D SLAM to take its scan.");
   }
 
   template <class Self, class Visitor>

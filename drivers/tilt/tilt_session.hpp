@@ -71,6 +71,11 @@ struct TiltCounters {
   std::uint64_t bus_errors = 0;
   std::uint64_t stalls = 0;
   std::uint64_t restarts = 0;  ///< bring-ups after the first
+
+  /// Counts what was refused, and tells of it.
+  void reject(Errc reason, TiltSink& sink);
+  /// Counts an error of the device's own, and tells of it.
+  void tell_device_error(std::int64_t code, TiltSink& sink);
 };
 
 /// The protocol of one servo, from any state that it may be in to obeying, and back to that after every fault. It does
@@ -98,7 +103,7 @@ class TiltSession {
   /// The line was opened: forgets what was half received and starts the bring-up.
   virtual void reset(std::int64_t now_ns) = 0;
 
-  /// What to do from now on. A stop goes before all else that waits.
+  /// What to do from now on. A stop goes before all else that waits. The same command once more does nothing.
   virtual void command(TiltCommand command, std::int64_t now_ns) = 0;
 
   /// Decodes; calls `sink` for every angle and event found, in order.

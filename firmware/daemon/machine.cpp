@@ -14,7 +14,7 @@ constexpr std::int64_t kSensorBudget_ns = 5'000'000;
 GridGeometry geometry_of(const FilterStage* filter) { return filter != nullptr ? filter->geometry() : GridGeometry{}; }
 
 PublisherParams publisher_params(const DaemonParams& params) {
-  return {params.lcm, params.recorder, params.health, params.mapping_in_use()};
+  return {params.lcm, params.recorder, params.health, params.lrf.driver, params.mapping_in_use()};
 }
 
 }  // namespace
@@ -43,6 +43,7 @@ Machine::Machine(DaemonOptions& options)
     tilt_ = std::make_unique<TiltSource>(options.params.tilt, tilt_line_);
     tilt_->obey_stop(gpio_signals_.stopped);
     sensor_loop_->attach(*tilt_);
+    intake_->attach(*tilt_);
   }
   if (matcher_) {
     matcher_loop_ = std::make_unique<MatcherLoop>(pipeline_, *matcher_, params.matcher_budget_ns, has_filter(stages_));

@@ -11,8 +11,12 @@
 #include <charconv>
 #include <csignal>
 #include <cstring>
+#include <memory>
 #include <numbers>
 
+#include "drivers/io/device_line.hpp"
+#include "drivers/lrf/make_lrf_session.hpp"
+#include "drivers/tilt/tilt_line.hpp"
 #include "firmware/daemon/log.hpp"
 #include "firmware/daemon/service_manager.hpp"
 #include "firmware/health/health_text.hpp"
@@ -47,14 +51,24 @@ std::optional<Pose2> parse_pose(std::string_view text) {
   return Pose2{numbers[0], numbers[1], wrap_angle(numbers[2] * std::numbers::pi / 180.0)};
 }
 
+LineKeeper::Open laser_opener(const DaemonParams& params) {
+  return [line = std::make_shared<DeviceLine>(params.lrf.device, params.lrf.baud), &params] {
+    Result<FileDescriptor> opened = line->open(params.pipeline.sensor_priority);
+    if (opened.ok()) {
+      set_up_lrf_line(params.lrf, opened.value().get());
+    }
+    return opened;
+  };
+}
+
 }  // namespace
 
 Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t standing_reasons)
     : options_(options),
       machine_(machine),
-      keeper_(options.params.lrf, machine.line(), machine.pipeline().sensor.wake,
-              options.params.pipeline.sensor_priority),
-      tilt_keeper_(options.params.tilt, machine.tilt_line(), machine.pipeline().sensor.wake),
+      keeper_(laser_opener(options.params), machine.line(), machine.pipeline().sensor.wake),
+      tilt_keeper_([&options] { return open_tilt_line(options.params.tilt); }, machine.tilt_line(),
+                   machine.pipeline().sensor.wake),
       signals_(block_signals()) {
   surroundings_.standing_reasons = standing_reasons;
 }
@@ -276,13 +290,14 @@ std::string Supervisor::command_filter(std::string_view word, std::string_view a
 std::string Supervisor::status_text() {
   const HealthReport health = machine_.publisher().health();
   return fmt::format(
-      "{}\nscans {} accepted, {} rejected, {} dropped, {:.1f} Hz, age {:.3f} s\n"
+      "{}\nscans {} accepted, {} rejected, {} dropped, {} not level, {:.1f} Hz, age {:.3f} s\n"
       "fitness {:.2f}, particles {}, effective {:.0f}, map pool {:.0f} %\n"
       "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n",
-      state_sentence(health), health.lrf.accepted, health.lrf.rejected, health.lrf.dropped, health.lrf.rate_hz,
-      health.lrf.age_s, health.fitness, health.particles, health.effective_particles, 100.0 * health.map_pool_used,
-      health.stages[kMatcherStage].p50_ms, health.stages[kMatcherStage].p99_ms, health.stages[kMatcherStage].max_ms,
-      health.stages[kFilterStage].p50_ms, health.stages[kFilterStage].p99_ms, health.stages[kFilterStage].max_ms);
+      state_sentence(health), health.lrf.accepted, health.lrf.rejected, health.lrf.dropped, health.scans_not_level,
+      health.lrf.rate_hz, health.lrf.age_s, health.fitness, health.particles, health.effective_particles,
+      100.0 * health.map_pool_used, health.stages[kMatcherStage].p50_ms, health.stages[kMatcherStage].p99_ms,
+      health.stages[kMatcherStage].max_ms, health.stages[kFilterStage].p50_ms, health.stages[kFilterStage].p99_ms,
+      health.stages[kFilterStage].max_ms);
 }
 
 std::string Supervisor::save() {

@@ -50,8 +50,8 @@ class Supervisor {
   DaemonOptions& options_;
   Machine& machine_;
   ControlServer control_;
-  LrfKeeper keeper_;
-  TiltKeeper tilt_keeper_;
+  LineKeeper keeper_;
+  LineKeeper tilt_keeper_;
   Surroundings surroundings_;
   FileDescriptor signals_;
   bool ending_ = false;

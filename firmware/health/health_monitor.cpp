@@ -100,6 +100,7 @@ void HealthMonitor::copy_figures(const SensorReport& sensor, const MatcherReport
                                  const Surroundings& surroundings, std::int64_t now_ns) {
   report_.stamp_ns = now_ns;
   report_.lrf = sensor.source;
+  report_.scans_not_level = sensor.tilt.held_back;
   report_.lrf.age_s = sensor.last_scan_ns == 0 ? -1.0 : static_cast<double>(now_ns - sensor.last_scan_ns) * 1e-9;
   report_.lrf.rate_hz = sensor.period_ns <= 0 ? 0.0 : 1e9 / static_cast<double>(sensor.period_ns);
   report_.fitness = matcher.fitness;

@@ -7,6 +7,8 @@ Channels::Channels(std::string_view prefix) {
   scan = named("SCAN");
   lrf_raw_rx = named("LRF_RAW_RX");
   lrf_raw_tx = named("LRF_RAW_TX");
+  tilt_raw_rx = named("TILT_RAW_RX");
+  tilt_raw_tx = named("TILT_RAW_TX");
   tilt = named("TILT");
   motion = named("MOTION");
   pose = named("POSE");

@@ -111,11 +111,16 @@ Errc LcmLink::send(const std::string& channel, const Message& message) {
   return transmit(channel, static_cast<std::size_t>(size_bytes));
 }
 
+bool LcmLink::is_raw(const std::string& channel) const {
+  return channel == channels_.lrf_raw_rx || channel == channels_.lrf_raw_tx || channel == channels_.tilt_raw_rx ||
+         channel == channels_.tilt_raw_tx;
+}
+
 Errc LcmLink::transmit(const std::string& channel, std::size_t size_bytes) {
   if (params_.url.empty()) {
     return Errc::kOk;
   }
-  if (!params_.raw_bytes && (channel == channels_.lrf_raw_rx || channel == channels_.lrf_raw_tx)) {
+  if (!params_.raw_bytes && is_raw(channel)) {
     return Errc::kOk;
   }
   if (lcm_ == nullptr ||
@@ -141,7 +146,11 @@ Errc LcmLink::publish(const RawBytesRecord& raw, std::span<const std::byte> byte
     return refuse_too_long();
   }
   to_message(raw, bytes, messages_->raw);
-  return send(raw.to_device != 0 ? channels_.lrf_raw_tx : channels_.lrf_raw_rx, messages_->raw);
+  const bool sent = raw.to_device != 0;
+  if (raw.line == RawLine::kTilt) {
+    return send(sent ? channels_.tilt_raw_tx : channels_.tilt_raw_rx, messages_->raw);
+  }
+  return send(sent ? channels_.lrf_raw_tx : channels_.lrf_raw_rx, messages_->raw);
 }
 
 Errc LcmLink::publish(const TiltRecord& tilt) {
@@ -178,7 +187,7 @@ Errc LcmLink::publish(const MapTileRecord& tile, std::span<const std::uint8_t> c
 Errc LcmLink::publish(const HealthReport& health) {
   to_message(health, messages_->health);
   const Errc error = send(channels_.health, messages_->health);
-  to_message(health, messages_->lrf_status);
+  to_message(health, laser_, messages_->lrf_status);
   return first_error(error, send(channels_.lrf_status, messages_->lrf_status));
 }
 

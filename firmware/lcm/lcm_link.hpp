@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/result.hpp"
+#include "drivers/lrf/lrf_params.hpp"
 #include "firmware/lcm/channels.hpp"
 #include "firmware/lcm/deflater.hpp"
 #include "firmware/lcm/lcm_params.hpp"
@@ -66,6 +67,8 @@ class LcmLink {
 
   /// The tap outlives the link, or is taken off by nullptr.
   void set_tap(LcmTap* tap) { tap_ = tap; }
+  /// Which laser LRF_STATUS tells of; kLcm until then: nobody knows.
+  void set_laser(LrfDriver laser) { laser_ = laser; }
 
   /// Of all: Errc::kOk, Errc::kTooLong, or Errc::kUnavailable when it was not sent.
   [[nodiscard]] Errc publish(const ScanRecord& scan, std::span<const float> ranges_m);
@@ -98,6 +101,7 @@ class LcmLink {
   template <class Message>
   [[nodiscard]] Errc send(const std::string& channel, const Message& message);
   [[nodiscard]] Errc refuse_too_long();
+  [[nodiscard]] bool is_raw(const std::string& channel) const;
   [[nodiscard]] Errc transmit(const std::string& channel, std::size_t size_bytes);
 
   LcmParams params_;
@@ -106,6 +110,7 @@ class LcmLink {
   std::unique_ptr<lcm_t, Closer> lcm_;
   std::string reason_;
   LcmTap* tap_ = nullptr;
+  LrfDriver laser_ = LrfDriver::kLcm;
   Deflater deflater_;
   std::vector<std::byte> buffer_;
   std::vector<std::uint8_t> halved_cells_;

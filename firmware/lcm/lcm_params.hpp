@@ -27,7 +27,7 @@ struct LcmParams {
                 "Time in which every tile of the map is sent again.");
     visit.value("overview_s", self.overview_s, Range{0.2, 3600.0}, "Time between two messages of the whole map.");
     visit.flag("raw_bytes", self.raw_bytes,
-               "Whether the bytes to and from the laser are sent; they are recorded in any case.");
+               "Whether the bytes to and from laser and tilt servo are sent; they are recorded in any case.");
     visit.flag("scan_points", self.scan_points, "Whether each scan is also sent as points in the map.");
   }
 };

@@ -50,6 +50,19 @@ void to_message(const StageHealth& stage, stage_health_t& message) {
   message.deadline_misses = stage.deadline_misses;
 }
 
+std::int16_t status_type(LrfDriver laser) {
+  switch (laser) {
+    case LrfDriver::kScip:
+      return bot_core::sensor_status_t::HOKUYO_LASER;
+    case LrfDriver::kSick:
+      return bot_core::sensor_status_t::SICK_LASER;
+    case LrfDriver::kRplidar:
+    case LrfDriver::kLcm:
+      break;
+  }
+  return -1;
+}
+
 }  // namespace
 
 Velocity velocity_of(const MotionRecord& motion, double map_yaw_rad) {
@@ -182,11 +195,11 @@ void to_message(const HealthReport& health, health_t& message) {
   message.storage_error = health.storage_error;
 }
 
-void to_message(const HealthReport& health, bot_core::sensor_status_t& message) {
+void to_message(const HealthReport& health, LrfDriver laser, bot_core::sensor_status_t& message) {
   message.utime = utime(health.stamp_ns);
   message.sensor_name = "lrf";
   message.rate = health.lrf.rate_hz;
-  message.type = bot_core::sensor_status_t::HOKUYO_LASER;
+  message.type = status_type(laser);
 }
 
 void to_points(const PoseRecord& pose, const ScanRecord& scan, std::span<const float> ranges_m,

@@ -16,6 +16,7 @@
 #include <span>
 
 #include "core/geometry/pose2.hpp"
+#include "drivers/lrf/lrf_params.hpp"
 #include "firmware/records/cloud_piece.hpp"
 #include "firmware/records/health.hpp"
 #include "firmware/records/records.hpp"
@@ -56,8 +57,8 @@ void to_message(const HealthReport& health, health_t& message);
 void to_message(const MapTileRecord& tile, std::int32_t sequence, map_tile_t& message);
 /// `map_T_odom` of a pose.
 void to_message(const PoseRecord& pose, bot_core::rigid_transform_t& message);
-/// That the laser lives, as told by `health`.
-void to_message(const HealthReport& health, bot_core::sensor_status_t& message);
+/// That the laser lives, as told by `health`. An RPLIDAR, and a source that nobody knows, have the type -1.
+void to_message(const HealthReport& health, LrfDriver laser, bot_core::sensor_status_t& message);
 
 /// The scan's returns in the map, at most `kPointsMax`: with more, every second is left out, or two of three, and so
 /// on. `message.points` has kPointsMax points of three coordinates, of which the first `n_points` count.

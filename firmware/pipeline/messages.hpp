@@ -41,6 +41,7 @@ struct TiltReport {
   bool obeys = true;  ///< it is there, without fault, and does what it was told
   bool level = true;  ///< the laser's plane is
   std::int64_t stalls = 0;
+  std::int64_t held_back = 0;  ///< scans that were not given to 2D SLAM, for the laser was not level
 };
 
 /// CPU time per scan of the run.

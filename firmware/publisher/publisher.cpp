@@ -18,6 +18,7 @@ Publisher::Publisher(const PublisherParams& params, const GridGeometry& geometry
       wants_link_(!params.lcm.url.empty()),
       overview_ns_(static_cast<std::int64_t>(params.lcm.overview_s * 1e9)) {
   last_ranges_m_.reserve(static_cast<std::size_t>(pipeline.pool.beams_max()));
+  link_.set_laser(params.laser);
   if (!params.recorder.path.empty()) {
     link_.set_tap(&recorder_);
   }

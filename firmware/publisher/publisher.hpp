@@ -23,6 +23,7 @@ struct PublisherParams {
   LcmParams lcm;
   LogWriterParams recorder;
   HealthParams health;
+  LrfDriver laser = LrfDriver::kLcm;
   std::optional<MappingParams> mapping{};  ///< none: no 3D map
 };
 

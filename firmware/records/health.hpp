@@ -90,8 +90,9 @@ struct HealthReport {
   double map_pool_used = 0.0;        ///< share of the map's pool in use, 0 to 1
   std::int64_t records_dropped = 0;  ///< between the real-time threads and the publisher
   std::int64_t publish_errors = 0;
-  double checkpoint_age_s = -1.0;  ///< -1: there is none
-  std::int32_t storage_error = 0;  ///< errno of the last failure, 0: none
+  double checkpoint_age_s = -1.0;    ///< -1: there is none
+  std::int32_t storage_error = 0;    ///< errno of the last failure, 0: none
+  std::int64_t scans_not_level = 0;  ///< that 2D SLAM was not given, for the laser was tilted
 };
 
 }  // namespace odoless

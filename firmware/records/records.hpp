@@ -25,11 +25,15 @@ struct ScanRecord {
   std::int64_t beam_period_ns = 0;  ///< from beam to beam; 0: unknown
 };
 
-/// Bytes as they were on the wire. Followed by `size_bytes` bytes.
+/// Which device's line something was on.
+enum class RawLine : std::int32_t { kLaser, kTilt };
+
+/// Bytes as they were on the wire; of a CAN bus one frame, as a line of candump. Followed by `size_bytes` bytes.
 struct RawBytesRecord {
   std::int64_t stamp_ns = 0;  ///< of the last byte's arrival or departure
   std::int32_t size_bytes = 0;
   std::int32_t to_device = 0;  ///< 1: sent, 0: received
+  RawLine line = RawLine::kLaser;
 };
 
 /// What a match found: motion since the scan before.

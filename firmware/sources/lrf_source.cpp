@@ -71,7 +71,7 @@ bool LrfSource::read_all(std::int64_t now_ns) {
       return true;
     }
     const std::span<const std::byte> bytes = std::span(buffer_).first(static_cast<std::size_t>(size_bytes));
-    sink_->on_raw(bytes, false);
+    sink_->on_raw(RawLine::kLaser, bytes, false);
     session_->receive(bytes, now_ns, *this);
   }
   return true;
@@ -86,7 +86,7 @@ void LrfSource::write_all() {
   if (!bytes.empty()) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
     write_errors_ += written == static_cast<ssize_t>(bytes.size()) ? 0 : 1;  // the session asks again
-    sink_->on_raw(bytes, true);
+    sink_->on_raw(RawLine::kLaser, bytes, true);
   }
 }
 
@@ -136,39 +136,6 @@ void LrfSource::add_counts(SourceHealth& health) const {
   health.rejected += static_cast<std::int64_t>(counters.rejected);
   health.resyncs += static_cast<std::int64_t>(counters.resyncs);
   health.reconnects += std::max<std::int64_t>(opened_ - 1, 0);
-}
-
-LrfKeeper::LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor, int priority)
-    : params_(params), device_(params.device, params.baud), line_(line), sensor_(sensor), priority_(priority) {}
-
-LrfKeeper::~LrfKeeper() {
-  const FileDescriptor offered(line_.offered.exchange(-1));
-  const FileDescriptor returned(line_.returned.exchange(-1));
-}
-
-Errc LrfKeeper::tick(std::int64_t now_ns) {
-  const bool in_use =
-      line_.in_use.load(std::memory_order_acquire);  // first: a line that was returned is then seen, too
-  const FileDescriptor returned(line_.returned.exchange(-1, std::memory_order_acq_rel));  // closed here
-  if (returned.valid()) {
-    next_try_ns_ = now_ns + kPauseMin_ns;
-    return Errc::kOk;
-  }
-  if (in_use || now_ns < next_try_ns_) {
-    return Errc::kOk;
-  }
-  Result<FileDescriptor> opened = device_.open(priority_);
-  if (!opened.ok()) {
-    next_try_ns_ = now_ns + pause_ns_;
-    pause_ns_ = std::min(2 * pause_ns_, kPauseMax_ns);
-    return opened.error();
-  }
-  pause_ns_ = kPauseMin_ns;
-  set_up_lrf_line(params_, opened.value().get());
-  line_.in_use.store(true, std::memory_order_release);
-  line_.offered.store(opened.take().release(), std::memory_order_release);
-  sensor_.notify();
-  return Errc::kOk;
 }
 
 }  // namespace odoless

@@ -1,29 +1,19 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 
-#include "drivers/io/device_line.hpp"
 #include "drivers/lrf/lrf_params.hpp"
 #include "drivers/lrf/lrf_session.hpp"
 #include "drivers/lrf/sync_clock.hpp"
 #include "firmware/gpio/gpio_signals.hpp"
+#include "firmware/sources/line_keeper.hpp"
 #include "firmware/stages/scan_source.hpp"
-#include "rt/wake_up.hpp"
 
 namespace odoless {
-
-/// Carries the laser's line between the supervisor, which may open and close it, and the sensor thread, which may read
-/// and write it. -1: nothing there.
-struct LineHandover {
-  std::atomic<int> offered{-1};
-  std::atomic<int> returned{-1};
-  std::atomic<bool> in_use{false};  ///< set by who offers, cleared by who returns
-};
 
 /// A laser range finder on its line: serial, TCP or USB.
 ///
@@ -68,35 +58,6 @@ class LrfSource final : public ScanSource, private LrfSink {
   std::optional<SyncClock> sync_;
   ScanSink* sink_ = nullptr;  ///< during `work`
   std::array<std::byte, 4096> buffer_{};
-};
-
-/// Opens the laser's line for the sensor thread, again and again with growing pauses, and closes what it gives back.
-///
-/// Thread: supervisor; not real-time.
-class LrfKeeper {
- public:
-  /// @param priority  Of the thread that a laser on USB needs besides.
-  LrfKeeper(const LrfParams& params, LineHandover& line, WakeUp& sensor, int priority);
-  LrfKeeper(const LrfKeeper&) = delete;
-  LrfKeeper& operator=(const LrfKeeper&) = delete;
-  LrfKeeper(LrfKeeper&&) = delete;
-  LrfKeeper& operator=(LrfKeeper&&) = delete;
-  ~LrfKeeper();
-
-  /// Does what is due. @return kOk while the line is open or nothing was tried, else why it could not be opened.
-  [[nodiscard]] Errc tick(std::int64_t now_ns);
-
- private:
-  static constexpr std::int64_t kPauseMin_ns = 100'000'000;
-  static constexpr std::int64_t kPauseMax_ns = 500'000'000;
-
-  LrfParams params_;
-  DeviceLine device_;
-  LineHandover& line_;
-  WakeUp& sensor_;
-  int priority_;
-  std::int64_t next_try_ns_ = 0;
-  std::int64_t pause_ns_ = kPauseMin_ns;
 };
 
 }  // namespace odoless

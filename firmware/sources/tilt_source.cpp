@@ -2,7 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string_view>
 #include <utility>
+
+#include "drivers/io/can_frame.hpp"
+#include "drivers/io/candump_text.hpp"
 
 namespace odoless {
 
@@ -69,6 +74,7 @@ bool TiltSource::read_all(std::int64_t now_ns) {
     if (!read.ok()) {
       return false;
     }
+    tell_raw(read.value().bytes, read.value().arrival_ns, false);
     session_->receive(read.value().bytes, read.value().arrival_ns, *this);
   }
   return true;
@@ -79,9 +85,23 @@ bool TiltSource::write_all() {
   bool alive = true;
   for (auto frame = session_->transmit(); !frame.empty(); frame = session_->transmit()) {
     const Errc error = write_tilt_line(params_.driver, descriptor_, frame);
+    tell_raw(frame, now_ns_, true);
     alive = alive && (error == Errc::kOk || error == Errc::kCapacity || error == Errc::kLinkDown);
   }
   return alive;
+}
+
+void TiltSource::tell_raw(std::span<const std::byte> bytes, std::int64_t stamp_ns, bool to_device) {
+  const std::optional<CanFrame> frame =
+      params_.driver == TiltDriver::kCia402 ? to_can_frame(bytes) : std::optional<CanFrame>();
+  if (!frame) {
+    return sink_->on_raw(RawLine::kTilt, bytes, to_device);
+  }
+  std::array<char, kCandumpTextMax + 1> buffer{};
+  const std::string_view line =
+      candump_text(stamp_ns / 1000, params_.device, *frame, std::span(buffer).first<kCandumpTextMax>());
+  buffer.at(line.size()) = '\n';  // the messages' data, one after the other, are a log of candump
+  sink_->on_raw(RawLine::kTilt, std::as_bytes(std::span(buffer).first(line.size() + 1)), to_device);
 }
 
 TiltReport TiltSource::report() const {
@@ -89,12 +109,22 @@ TiltReport TiltSource::report() const {
   const bool obeys = is_open() && state != TiltState::kBringUp && state != TiltState::kFault;
   return {.used = true,
           .obeys = obeys,
-          .level = has_angle_ && std::abs(last_angle_rad_) <= 2.0 * params_.tolerance_rad,
+          .level = has_angle_ && is_level(last_angle_rad_),
           .stalls = static_cast<std::int64_t>(session_->counters().stalls)};
 }
 
+bool TiltSource::is_level(double angle_rad) const { return std::abs(angle_rad) <= params_.level_tolerance_rad; }
+
+bool TiltSource::was_level_since(std::int64_t stamp_ns) const {
+  if (!had_angle_) {
+    return true;
+  }
+  const Result<double> then_rad = history_.angle_rad(stamp_ns);
+  return is_level(last_angle_rad_) && (!then_rad.ok() || is_level(then_rad.value()));
+}
+
 void TiltSource::on_angle(const TiltSample& sample) {
-  has_angle_ = true;
+  has_angle_ = had_angle_ = true;
   last_angle_rad_ = sample.angle_rad;
   static_cast<void>(history_.add(sample.stamp_ns, sample.angle_rad));
   sink_->on_tilt({.stamp_ns = sample.stamp_ns, .angle_rad = sample.angle_rad, .velocity_radps = sample.velocity_radps});
@@ -121,35 +151,6 @@ void TiltSource::on_event(const TiltEvent& event) {
     case TiltEventType::kRejected:
       return;  // counted
   }
-}
-
-TiltKeeper::TiltKeeper(TiltParams params, LineHandover& line, WakeUp& sensor)
-    : params_(std::move(params)), line_(line), sensor_(sensor) {}
-
-TiltKeeper::~TiltKeeper() {
-  const FileDescriptor offered(line_.offered.exchange(-1));
-  const FileDescriptor returned(line_.returned.exchange(-1));
-}
-
-Errc TiltKeeper::tick(std::int64_t now_ns) {
-  const bool in_use =
-      line_.in_use.load(std::memory_order_acquire);  // first: a line that was returned is then seen, too
-  const FileDescriptor returned(line_.returned.exchange(-1, std::memory_order_acq_rel));  // closed here
-  if (in_use || now_ns < next_try_ns_) {
-    return Errc::kOk;
-  }
-  next_try_ns_ = now_ns + kPause_ns;
-  if (returned.valid()) {
-    return Errc::kOk;
-  }
-  Result<FileDescriptor> opened = open_tilt_line(params_);
-  if (!opened.ok()) {
-    return opened.error();
-  }
-  line_.in_use.store(true, std::memory_order_release);
-  line_.offered.store(opened.take().release(), std::memory_order_release);
-  sensor_.notify();
-  return Errc::kOk;
 }
 
 }  // namespace odoless

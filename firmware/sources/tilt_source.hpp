@@ -9,9 +9,8 @@
 #include "drivers/tilt/tilt_history.hpp"
 #include "drivers/tilt/tilt_line.hpp"
 #include "firmware/pipeline/messages.hpp"
-#include "firmware/sources/lrf_source.hpp"
+#include "firmware/sources/line_keeper.hpp"
 #include "firmware/stages/scan_source.hpp"
-#include "rt/wake_up.hpp"
 
 namespace odoless {
 
@@ -30,6 +29,9 @@ class TiltSource final : private TiltSink {
   [[nodiscard]] std::int64_t next_deadline_ns() const;
   void work(std::int64_t now_ns, ScanSink& sink);
   [[nodiscard]] TiltReport report() const;
+  /// Whether the laser was level from that time, a scan's first beam, until now. Where the servo has never told, the
+  /// laser is taken to be as level as without one; where it is lost, to be where it was seen last.
+  [[nodiscard]] bool was_level_since(std::int64_t stamp_ns) const;
   /// Angles for the beams' times.
   [[nodiscard]] const TiltHistory& history() const { return history_; }
 
@@ -43,9 +45,12 @@ class TiltSource final : private TiltSink {
   void return_line();
   void obey(std::int64_t now_ns);
   [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+  [[nodiscard]] bool is_level(double angle_rad) const;
   /// False when the line is gone.
   [[nodiscard]] bool read_all(std::int64_t now_ns);
   [[nodiscard]] bool write_all();
+  /// For the recorder: a frame of CAN as a line of candump.
+  void tell_raw(std::span<const std::byte> bytes, std::int64_t stamp_ns, bool to_device);
 
   static constexpr int kReadsPerRound = 64;
   static constexpr std::int64_t kLinkPause_ns = 20'000'000;      ///< between looks at a link that is down
@@ -63,30 +68,9 @@ class TiltSource final : private TiltSink {
   std::int64_t next_bus_event_ns_ = 0;
   double last_angle_rad_ = 0.0;
   bool has_angle_ = false;
+  bool had_angle_ = false;
   ScanSink* sink_ = nullptr;  ///< during `work`
   std::array<std::byte, 1024> buffer_{};
-};
-
-/// Opens the servo's line for the sensor thread, again and again, and closes what it gives back.
-///
-/// Thread: supervisor; not real-time.
-class TiltKeeper {
- public:
-  TiltKeeper(TiltParams params, LineHandover& line, WakeUp& sensor);
-  TiltKeeper(const TiltKeeper&) = delete;
-  TiltKeeper& operator=(const TiltKeeper&) = delete;
-  ~TiltKeeper();
-
-  /// Does what is due. @return kOk while the line is open or nothing was tried, else why it could not be opened.
-  [[nodiscard]] Errc tick(std::int64_t now_ns);
-
- private:
-  static constexpr std::int64_t kPause_ns = 250'000'000;
-
-  TiltParams params_;
-  LineHandover& line_;
-  WakeUp& sensor_;
-  std::int64_t next_try_ns_ = 0;
 };
 
 }  // namespace odoless

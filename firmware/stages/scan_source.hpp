@@ -22,8 +22,8 @@ class ScanSink {
   virtual void on_scan(const RawScan& scan) = 0;
   /// From a matcher elsewhere.
   virtual void on_motion(const MotionRecord& motion) = 0;
-  /// Bytes as they were on the wire.
-  virtual void on_raw(std::span<const std::byte> bytes, bool to_device) = 0;
+  /// Bytes as they were on the wire; of a CAN bus a line of candump.
+  virtual void on_raw(RawLine line, std::span<const std::byte> bytes, bool to_device) = 0;
   virtual void on_tilt(const TiltRecord& tilt) = 0;
   virtual void on_event(EventPriority priority, EventText text, std::int64_t number) = 0;
 

@@ -37,6 +37,11 @@ void Intake::on_scan(const RawScan& scan) {
   if (publish_scans_) {
     publish(scan);
   }
+  if (tilt_ != nullptr && !tilt_->was_level_since(scan.stamp_ns)) {
+    ++not_level_;
+    free_.give(slot);
+    return;
+  }
   take(slot);
 }
 
@@ -62,11 +67,12 @@ void Intake::publish(const RawScan& scan) {
   send(pipeline_, pipeline_.sensor.outbox, RecordType::kScan, record, std::span<const float>(ranges_m_));
 }
 
-void Intake::on_raw(std::span<const std::byte> bytes, bool to_device) {
+void Intake::on_raw(RawLine line, std::span<const std::byte> bytes, bool to_device) {
   RawBytesRecord record;
   record.stamp_ns = clock_.now_ns();
   record.size_bytes = static_cast<std::int32_t>(bytes.size());
   record.to_device = to_device ? 1 : 0;
+  record.line = line;
   send(pipeline_, pipeline_.sensor.outbox, RecordType::kRawBytes, record, bytes);
 }
 
@@ -86,6 +92,7 @@ void Intake::report(const ScanSource& source, const TiltReport& tilt, const Stag
   report.period_ns = stage_.period_ns();
   report.open = source.is_open();
   report.tilt = tilt;
+  report.tilt.held_back = not_level_;
   report.blind = stage_.is_blind();
   report.stuck = stage_.is_stuck();
   pipeline_.sensor.report.write(report);

@@ -5,6 +5,7 @@
 
 #include "firmware/pipeline/pipeline.hpp"
 #include "firmware/records/records.hpp"
+#include "firmware/sources/tilt_source.hpp"
 #include "firmware/stages/scan_source.hpp"
 #include "firmware/stages/sensor_stage.hpp"
 #include "firmware/threads/round.hpp"
@@ -22,10 +23,14 @@ class Intake : public ScanSink {
   virtual ~Intake() = default;
 
   void on_scan(const RawScan& scan) final;
-  void on_raw(std::span<const std::byte> bytes, bool to_device) final;
+  void on_raw(RawLine line, std::span<const std::byte> bytes, bool to_device) final;
   void on_tilt(const TiltRecord& tilt) final;
   void on_event(EventPriority priority, EventText text, std::int64_t number) final;
   void on_motion(const MotionRecord& /*motion*/) override {}
+
+  /// To be called before the thread starts, if at all: scans that the servo's laser took while it was not level go to
+  /// the publisher, and not to 2D SLAM.
+  void attach(const TiltSource& tilt) { tilt_ = &tilt; }
 
   /// Whether one more scan can be taken in without loss.
   [[nodiscard]] bool has_room();
@@ -46,7 +51,9 @@ class Intake : public ScanSink {
   bool publish_scans_;
   SensorStage stage_;
   FreeSlots free_;
+  const TiltSource* tilt_ = nullptr;
   std::int64_t without_slot_ = 0;
+  std::int64_t not_level_ = 0;
   std::vector<float> ranges_m_;
 };
 

@@ -5,112 +5,21 @@
 
 import json
 import os
+import re
 import signal
-import socket
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
-PROGRAMS, SOURCES = sys.argv[1:3]
-WORLD = os.path.join(SOURCES, "tools", "worlds", "rooms.world")
+from support import SOURCES, WORLD, DaemonCase, run
+
+SPIN = os.path.join(SOURCES, "tools", "worlds", "spin.world")
 PERIOD_S = 0.025  # of the emulated UTM-30LX
 EX_USAGE, EX_UNAVAILABLE, EX_CONFIG = 64, 69, 78
 
 
-def program(name, *arguments):
-    return [os.path.join(PROGRAMS, name), *map(str, arguments)]
-
-
-def run(*command, timeout=120):
-    return subprocess.run(program(*command), capture_output=True, text=True, timeout=timeout, check=False)
-
-
-class DaemonTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-        self.config = self.write_config("robot.toml")
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def write_config(self, name, more="", device=None):
-        with open(self.path(name), "w", encoding="utf-8") as file:
-            file.write(
-                f'[lrf]\ndevice = "{device or self.path("laser")}"\n[lcm]\nurl = ""\n'
-                f'[control]\nsocket = "{self.path("control")}"\n{more}'
-            )
-        return self.path(name)
-
-    def start(self, *command, stdout=subprocess.DEVNULL):
-        process = subprocess.Popen(program(*command), stdout=stdout, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(self.end, process)
-        return process
-
-    @staticmethod
-    def end(process):
-        if process.poll() is None:
-            process.kill()
-        process.communicate()
-
-    def start_laser(self, *more):
-        laser = self.start("odoless", "emulate", "lrf", "--from", WORLD, "--pty", self.path("laser"), *more)
-        self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
-        return laser
-
-    def start_daemon(self, *more):
-        return self.start("odolessd", "--config", self.config, "--out", self.path("out"), *more)
-
-    def start_servo(self, *more):
-        servo = self.start("odoless", "emulate", "servo", "--dynamixel", "--pty", self.path("servo"), *more)
-        self.wait_until(lambda: os.path.lexists(self.path("servo")), 10)
-        return servo
-
-    def use_servo(self, more=""):
-        # Patience for a busy machine: the kernel lets a poll of a terminal wait for the worker that carries its bytes.
-        tilt = f'[pipeline]\nwatchdog_ms = 5000.0\n[tilt]\ndriver = "dynamixel"\ndevice = "{self.path("servo")}"\nbaud = 0\n'
-        tilt += "reply_timeout_ms = 200.0\nstall_timeout_ms = 500.0\nheartbeat_period_ms = 500.0\n"
-        self.config = self.write_config("tilting.toml", tilt + more)
-
-    def servo_obeys(self):
-        state = self.state()
-        return bool(state) and "servo does not obey" not in state
-
-    def wait_until(self, holds, seconds, pause_s=0.01):
-        end = time.monotonic() + seconds
-        while not holds():
-            if time.monotonic() >= end:
-                self.fail(f"did not happen in time; the daemon says: {self.state()}")
-            time.sleep(pause_s)
-        return seconds - (end - time.monotonic())
-
-    def ctl(self, *command):
-        return run("odoless", "ctl", "--socket", self.path("control"), *command)
-
-    def answer(self, command):
-        """As odoless ctl, but without the time that a program takes to start."""
-        with socket.socket(socket.AF_UNIX) as client:
-            client.connect(self.path("control"))
-            client.sendall(command.encode() + b"\n")
-            return client.makefile().read()
-
-    def answer_s(self):
-        """How long a question takes, which is not the daemon's time to notice."""
-        begin = time.monotonic()
-        for _ in range(3):
-            self.answer("status")
-        return time.monotonic() - begin
-
-    def state(self):
-        return self.ctl("status").stdout.split("\n")[0]
-
-    def summary(self):
-        with open(self.path("out/summary.json"), encoding="utf-8") as file:
-            return json.load(file)
-
+class DaemonTest(DaemonCase):
     def test_maps_what_an_emulated_laser_sees_and_keeps_every_promise_of_real_time(self):
         self.start_laser("--truth", self.path("truth.tum"))
         daemon = self.start_daemon("--enforce-realtime")
@@ -250,8 +159,16 @@ class DaemonTest(unittest.TestCase):
         self.wait_until(lambda: self.state() == "OK", 10)
         self.assertEqual(self.ctl("tilt", "sweep").stdout, "ok\n")
         self.wait_until(lambda: "not level" in self.state(), 2)
+        before = self.held_back()
+        time.sleep(1.5)
+        # Of a sweep of 60 deg at 60 deg/s, 2 deg are level, and a scan must begin and end there.
+        self.assertGreater(self.held_back() - before, 0.6 * 1.5 / PERIOD_S, "scans of another plane reach the 2D map")
         self.assertEqual(self.ctl("tilt", "level").stdout, "ok\n")
         self.wait_until(lambda: "not level" not in self.state(), 3)
+        time.sleep(0.2)
+        before = self.held_back()
+        time.sleep(0.5)
+        self.assertEqual(self.held_back(), before)
         self.assertIn("level, sweep, stop", self.ctl("tilt", "up").stderr)
         daemon.send_signal(signal.SIGTERM)
         self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
@@ -259,11 +176,36 @@ class DaemonTest(unittest.TestCase):
         with open(self.path("run.00000.lcm"), "rb") as file:
             self.assertGreater(file.read().count(b"ODOLESS_TILT"), 30)
 
+    def held_back(self):
+        return int(re.search(r"(\d+) not level", self.answer("status"))[1])
+
+    def test_takes_the_motion_out_of_each_scan_where_it_is_told_to(self):
+        errors_deg = {}
+        for name, deskew in (("straightened", "true"), ("skewed", "false")):
+            self.config = self.write_config(name + ".toml", lrf=f"deskew = {deskew}\n")
+            laser = self.start("odoless", "emulate", "lrf", "--from", SPIN, "--model", "urg-04lx", "--pty",
+                               self.path("laser"), "--distortion", "--truth", self.path("truth.tum"))
+            self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
+            daemon = self.start_daemon("--enforce-realtime")
+            self.wait_until(lambda: self.state() == "OK", 10)
+            time.sleep(5)
+            daemon.send_signal(signal.SIGTERM)
+            self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+            laser.kill()
+            laser.wait()
+            self.assertEqual(self.summary()["heap_calls"], 0)
+            ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/trajectory_online.tum"), "--json")
+            self.assertLess(json.loads(ate.stdout)["translation_m"]["rmse"], 0.10, name)
+            errors_deg[name] = json.loads(ate.stdout)["rotation_deg"]["median"]
+        print(f"yaw at half a turn a second: {errors_deg['straightened']:.2f} deg off (median) with each scan straightened, "
+              f"{errors_deg['skewed']:.2f} deg without")
+        self.assertLess(errors_deg["straightened"], 0.75 * errors_deg["skewed"])
+
     def test_goes_on_with_a_servo_that_stalls_or_dies_and_says_so(self):
         self.use_servo('at_start = "sweep"\n')
         servo = self.start_servo("--fault", "stall@6:6")
         self.start_laser()
-        self.start_daemon()
+        daemon = self.start_daemon()
         self.wait_until(lambda: self.state().startswith("DEGRADED") and self.servo_obeys(), 6)
         self.wait_until(lambda: self.state().startswith("DEGRADED") and not self.servo_obeys(), 15)
         self.wait_until(self.servo_obeys, 15)
@@ -273,6 +215,11 @@ class DaemonTest(unittest.TestCase):
         os.remove(self.path("servo"))
         self.start_servo()
         self.wait_until(self.servo_obeys, 5)
+        daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.wait(timeout=10), 0)
+        log = daemon.stderr.read()
+        stalled, dead = log.find("tilt servo: stalled"), log.find("tilt servo: its line is gone")
+        self.assertTrue(0 < stalled < dead, "first it stalled, and then it died:\n" + log)
 
     def test_says_what_is_wrong_with_its_configuration_or_arguments(self):
         wrong = self.write_config("wrong.toml", "[pipeline]\nscan_queue = 0\n")

@@ -77,6 +77,17 @@ TEST_F(LcmLinkTap, TellsReceivedBytesFromSentOnes) {
   EXPECT_THAT(tap_.last<bot_core::raw_t>("ODOLESS_LRF_RAW_TX").data, ::testing::ElementsAre(0, 255, '\n'));
 }
 
+TEST_F(LcmLinkTap, TellsTheLasersBytesFromTheServos) {
+  const std::vector<std::byte> bytes{std::byte{1}};
+  for (const std::int32_t to_device : {0, 1}) {
+    ASSERT_EQ(
+        link_.publish(RawBytesRecord{.stamp_ns = 7000, .size_bytes = 1, .to_device = to_device, .line = RawLine::kTilt},
+                      bytes),
+        Errc::kOk);
+    EXPECT_EQ(tap_.kept.back().channel, to_device == 0 ? "ODOLESS_TILT_RAW_RX" : "ODOLESS_TILT_RAW_TX");
+  }
+}
+
 TEST_F(LcmLinkTap, SendsAPoseThreeTimes) {
   ASSERT_EQ(link_.publish(test::example_pose()), Errc::kOk);
   const auto pose = tap_.last<bot_core::pose_t>("ODOLESS_POSE");
@@ -147,6 +158,14 @@ TEST_F(LcmLinkTap, ReportsHealthAndThatTheLaserLives) {
   EXPECT_EQ(health.checkpoint_age_s, -1.0);
   EXPECT_EQ(health.storage_error, 28);
   EXPECT_EQ(tap_.last<bot_core::sensor_status_t>("ODOLESS_LRF_STATUS").rate, 40.0);
+  for (const auto& [laser, type] : {std::pair<LrfDriver, int>(LrfDriver::kScip, 3),
+                                    {LrfDriver::kSick, 2},
+                                    {LrfDriver::kRplidar, -1},
+                                    {LrfDriver::kLcm, -1}}) {
+    link_.set_laser(laser);
+    ASSERT_EQ(link_.publish(test::example_health()), Errc::kOk);
+    EXPECT_EQ(tap_.last<bot_core::sensor_status_t>("ODOLESS_LRF_STATUS").type, type);
+  }
 }
 
 TEST_F(LcmLinkTap, PutsPointsIntoTheMap) {
@@ -249,11 +268,12 @@ TEST(LcmLink, GoesOnWithoutANetworkAndStillRecords) {
 void publish_all(LcmLink& link, const std::vector<float>& ranges_m, const std::vector<std::uint8_t>& cells) {
   const ScanRecord scan = test::example_scan(static_cast<int>(ranges_m.size()));
   EXPECT_EQ(link.publish(scan, ranges_m), Errc::kOk);
-  EXPECT_EQ(link.publish(RawBytesRecord{.stamp_ns = 1000, .size_bytes = 4}, std::as_bytes(std::span(cells).first(4))),
-            Errc::kOk);
-  EXPECT_EQ(link.publish(RawBytesRecord{.stamp_ns = 1000, .size_bytes = 4, .to_device = 1},
-                         std::as_bytes(std::span(cells).first(4))),
-            Errc::kOk);
+  for (const RawLine line : {RawLine::kLaser, RawLine::kTilt}) {
+    for (const std::int32_t to_device : {0, 1}) {
+      const RawBytesRecord raw{.stamp_ns = 1000, .size_bytes = 4, .to_device = to_device, .line = line};
+      EXPECT_EQ(link.publish(raw, std::as_bytes(std::span(cells).first(4))), Errc::kOk);
+    }
+  }
   EXPECT_EQ(link.publish(TiltRecord{.stamp_ns = 1000, .angle_rad = 0.25, .velocity_radps = -1.5}), Errc::kOk);
   EXPECT_EQ(link.publish(test::example_motion()), Errc::kOk);
   EXPECT_EQ(link.publish(test::example_pose()), Errc::kOk);
@@ -279,8 +299,8 @@ TEST(LcmLink, SendsOneOfEachToWhoeverListens) {
   params.raw_bytes = true;
   const Channels c;
   const std::vector<std::string> all{
-      c.tilt,        c.scan,     c.lrf_raw_rx, c.lrf_raw_tx, c.motion,     c.pose,       c.pose_covariance,
-      c.map_to_odom, c.map_tile, c.map,        c.health,     c.lrf_status, c.scan_points};
+      c.tilt,     c.scan, c.lrf_raw_rx, c.lrf_raw_tx, c.motion,      c.pose,        c.pose_covariance, c.map_to_odom,
+      c.map_tile, c.map,  c.health,     c.lrf_status, c.scan_points, c.tilt_raw_rx, c.tilt_raw_tx};
   LcmReceiver receiver(params, all);
   ASSERT_EQ(receiver.open(), Errc::kOk) << receiver.reason();
   LcmLink link(params, kMapCellsMax);

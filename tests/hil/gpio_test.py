@@ -6,6 +6,7 @@ import struct
 import time
 
 from support import PROGRAMS, DaemonTest, SimulatedGpio
+from lcm_log import messages  # found by support
 
 TURN_S = 0.1  # of the emulated URG-04LX
 PULSE_DELAY_S = 0.012
@@ -13,19 +14,6 @@ PULSE_DELAY_S = 0.012
 
 def gpio_config(**keys):
     return "[gpio]\n" + "".join(f"{key} = {value!r}\n" for key, value in keys.items()).replace("'", '"')
-
-
-def recorded_scan_stamps_s(path):
-    """Of an LCM log: per event, a head of sync word, number, time and sizes of channel and data."""
-    head = struct.Struct(">IQQII")
-    stamps = []
-    with open(path, "rb") as log:
-        while len(bytes_of_head := log.read(head.size)) == head.size:
-            _, _, _, channel_size, data_size = head.unpack(bytes_of_head)
-            channel, data = log.read(channel_size), log.read(data_size)
-            if channel == b"ODOLESS_SCAN":
-                stamps.append(struct.unpack(">q", data[8:16])[0] * 1e-6)  # after the type's fingerprint
-    return stamps
 
 
 class GpioTest(DaemonTest):
@@ -101,7 +89,7 @@ class GpioTest(DaemonTest):
 
     def scan_stamps_s(self):
         (log,) = glob.glob(self.path("run.*.lcm"))
-        return recorded_scan_stamps_s(log)
+        return [struct.unpack(">q", data[8:16])[0] * 1e-6 for channel, data in messages(log) if channel == "ODOLESS_SCAN"]
 
     def test_a_dead_laser_is_switched_off_and_on(self):
         laser = self.start_with_laser(power_line="odo-power", power_cycle_after_ms=1500.0, power_off_ms=500.0)

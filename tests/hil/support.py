@@ -11,6 +11,7 @@ import time
 import unittest
 
 PROGRAMS, SOURCES = sys.argv[1:3]
+sys.path.append(os.path.join(SOURCES, "tests", "support"))
 
 
 def program(name, *arguments):

@@ -157,6 +157,21 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
   }
 }
 
+TEST(Probe, FindsOutWhichProtocolALaserSpeaks) {
+  for (const auto& [model, driver] :
+       {std::pair("urg-04lx", "scip"), std::pair("lms200", "sick"), std::pair("rplidar-a1", "rplidar")}) {
+    SCOPED_TRACE(model);
+    const test::TemporaryFolder folder;
+    const std::string pty = folder.path() / "laser";
+    const std::string world = folder.file("a.world", kWorld);
+    const Emulator emulator({"--from", world, "--pty", pty, "--model", model});
+    ASSERT_TRUE(open_when_there(pty).valid());
+    const test::Outcome outcome = test::run({"probe", pty, "--patience-s", "4"});
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr(fmt::format("driver = \"{}\"\ndevice = \"{}\"\n", driver, pty)));
+  }
+}
+
 TEST(EmulateLrf, ServesALogAtItsRecordedPace) {
   const test::TemporaryFolder folder;
   std::string log;

@@ -5,7 +5,6 @@
 #include <map>
 
 #include "core/base/rng.hpp"
-#include "tests/support/allocation_guard.hpp"
 #include "tests/tools/emulate_stream.hpp"
 #include "tests/tools/emulate_support.hpp"
 
@@ -45,29 +44,7 @@ TEST(ScipRobustness, OneDamagedByteAnywhereCostsAtMostOneScan) {
   }
 }
 
-TEST(ScipRobustness, AnySplitGivesTheSame) {
-  const Stream stream = scip_stream();
-  const std::vector<HeardScan> sent = heard_from(stream, stream.scans());
-  Rng rng(5);
-  for (int i = 0; i < 50; ++i) {
-    test::Heard heard;
-    const auto session = stream.ready_session(heard);
-    std::string_view rest = stream.scans();
-    while (!rest.empty()) {
-      const std::size_t size = std::min<std::size_t>(rest.size(), i == 0 ? 1 : 1 + rng.below(i < 25 ? 100 : 5000));
-      const std::string_view bytes = rest.substr(0, size);
-      rest.remove_prefix(size);
-      // By their place in the stream, so that the stamps make sense; they are not compared.
-      const auto now_ns = 20 * test::kSecond + static_cast<std::int64_t>(stream.scans().size() - rest.size()) * 50'000;
-      Stream::give(*session, bytes, now_ns, heard);
-    }
-    for (const LrfEvent& event : heard.events) {
-      ADD_FAILURE() << describe(event.reason);
-    }
-    ASSERT_EQ(heard.scans.size(), sent.size()) << "split " << i;
-    ASSERT_TRUE(are_among(heard.scans, sent));
-  }
-}
+TEST(ScipRobustness, AnySplitGivesTheSame) { test::expect_any_split_gives_the_same(scip_stream(), 50, 5000); }
 
 // Row 7 of the promises: 5 % of the bytes wrong. The sums have 6 bits; what they let through is told by lengths and
 // stamps.
@@ -90,60 +67,7 @@ TEST(ScipRobustness, ManyWrongBytesGiveNoWrongScan) {
 }
 
 TEST(ScipRobustness, NoiseNeverEndsTheSession) {
-  test::Heard heard;
-  const auto session = make_lrf_session({}, 2048);
-  session->reset(0);
-  Rng rng(13);
-  const std::string_view alphabet = "MD0000108001000\n\n\n00P99bQTPPSCIP2.0;E:";
-  for (std::int64_t now_ns = 0; now_ns < 20 * test::kSecond; now_ns += 5 * kMs) {
-    std::string bytes(rng.below(2000), ' ');
-    for (char& c : bytes) {
-      c = rng.below(3) == 0 ? static_cast<char>(rng.below(256))
-                            : alphabet[rng.below(static_cast<std::uint32_t>(alphabet.size()))];
-    }
-    EXPECT_LE(session->transmit().size(), 32U);
-    Stream::give(*session, bytes, now_ns, heard);
-    session->tick(now_ns, heard);
-    ASSERT_GT(session->next_deadline_ns(), now_ns) << "or its owner would spin";
-  }
-  EXPECT_TRUE(heard.scans.empty());
-}
-
-/// Counts, and allocates nothing.
-class Counter final : public LrfSink {
- public:
-  void on_scan(const LrfScan&) override { ++scans; }
-  void on_event(const LrfEvent&) override { ++events; }
-  int scans = 0;
-  int events = 0;
-};
-
-TEST(ScipRobustness, NothingIsAllocatedAfterConstruction) {
-  if (!AllocationGuard::kWorks) {
-    GTEST_SKIP() << "the sanitizer has malloc";
-  }
-  const Stream stream = scip_stream();
-  std::vector<std::string> answers;
-  test::Bench bench("urg-04lx");
-  bench.on_the_way = [&](std::string& bytes) { answers.push_back(bytes); };
-  bench.reset();
-  bench.run(test::kSecond);
-  const auto session = make_lrf_session({}, 1000);
-  Counter counter;
-  std::size_t next = 0;
-  const AllocationGuard guard;
-  session->reset(0);
-  for (std::int64_t now_ns = 0; now_ns < 3 * test::kSecond; now_ns += kMs) {
-    const bool asks = !session->transmit().empty();
-    if (next < answers.size() && (asks || (session->ready() && now_ns % (100 * kMs) == 0))) {
-      Stream::give(*session, answers[next++], now_ns, counter);
-      Stream::give(*session, "garbage\n\n\n", now_ns, counter);
-    }
-    session->tick(now_ns, counter);
-  }
-  EXPECT_EQ(guard.calls(), 0);
-  EXPECT_GT(counter.scans, 3);
-  EXPECT_GT(counter.events, 3);
+  test::expect_noise_never_ends({}, "MD0000108001000\n\n\n00P99bQTPPSCIP2.0;E:", 32);
 }
 
 }  // namespace

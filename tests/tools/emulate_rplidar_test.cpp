@@ -147,12 +147,7 @@ TEST(RplidarSession, HuntsForTheRateOfASilentDevice) {
   EXPECT_EQ(heard.count(LrfEventType::kLost), 1) << "silence is told once";
 }
 
-struct FaultCase {
-  const char* fault;
-  int scans_lost_max;
-};
-
-class RplidarSessionFault : public ::testing::TestWithParam<FaultCase> {};
+class RplidarSessionFault : public ::testing::TestWithParam<test::FaultCase> {};
 
 // Two seconds into the stream, a fault; in the end the stream runs again.
 TEST_P(RplidarSessionFault, IsSurvived) {
@@ -178,15 +173,10 @@ TEST_P(RplidarSessionFault, IsSurvived) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Rplidar, RplidarSessionFault,
-                         ::testing::Values(FaultCase{"silence@2:1", 22}, FaultCase{"garbage@2:1", 22},
-                                           FaultCase{"truncate@2:0.2", 5}, FaultCase{"reboot@2", 15},
-                                           FaultCase{"beams@2:0.3", 6}, FaultCase{"one-byte@2:1", 2}),
-                         [](const auto& tested) {
-                           std::string name = tested.param.fault;
-                           std::replace_if(
-                               name.begin(), name.end(), [](char c) { return std::isalnum(c) == 0; }, '_');
-                           return name;
-                         });
+                         ::testing::Values(test::FaultCase{"silence@2:1", 22}, test::FaultCase{"garbage@2:1", 22},
+                                           test::FaultCase{"truncate@2:0.2", 5}, test::FaultCase{"reboot@2", 15},
+                                           test::FaultCase{"beams@2:0.3", 6}, test::FaultCase{"one-byte@2:1", 2}),
+                         test::fault_name);
 
 /// The most beams by which a heard scan differs by more than 1 cm from the one that was sent, scan by scan in order;
 /// beams of which the session says nothing are not wrong.
@@ -232,46 +222,14 @@ TEST(RplidarRobustness, OneDamagedByteAnywhereCostsAtMostOneScan) {
 
 TEST(RplidarRobustness, AnySplitGivesTheSame) {
   for (const RplidarScan scan : {RplidarScan::kStandard, RplidarScan::kExpress}) {
-    const test::Stream stream("rplidar-a2", rplidar_params(scan), 650 * kMs);
-    const std::vector<test::HeardScan> sent = heard_from(stream, stream.scans());
-    Rng rng(5);
-    for (int i = 0; i < 30; ++i) {
-      test::Heard heard;
-      const auto session = stream.ready_session(heard);
-      std::string_view rest = stream.scans();
-      while (!rest.empty()) {
-        const std::size_t size = std::min<std::size_t>(rest.size(), i == 0 ? 1 : 1 + rng.below(i < 15 ? 50 : 5000));
-        const auto now_ns =
-            20 * kSecond + static_cast<std::int64_t>(stream.scans().size() - rest.size() + size) * 90'000;
-        test::Stream::give(*session, rest.substr(0, size), now_ns, heard);
-        rest.remove_prefix(size);
-      }
-      EXPECT_TRUE(heard.events.empty());
-      ASSERT_EQ(heard.scans.size(), sent.size()) << "split " << i;
-      ASSERT_TRUE(are_among(heard.scans, sent));
-    }
+    test::expect_any_split_gives_the_same({"rplidar-a2", rplidar_params(scan), 650 * kMs}, 30, 5000);
   }
 }
 
 TEST(RplidarRobustness, NoiseNeverEndsTheSession) {
+  const std::string alphabet("\xA5\x5A\x05\x00\x40\x81\x54\x82\x14\x04\x03\x06\x01\x02", 14);
   for (const RplidarScan scan : {RplidarScan::kStandard, RplidarScan::kExpress}) {
-    test::Heard heard;
-    const auto session = make_lrf_session(rplidar_params(scan), 2048);
-    session->reset(0);
-    Rng rng(13);
-    const std::string alphabet("\xA5\x5A\x05\x00\x40\x81\x54\x82\x14\x04\x03\x06\x01\x02", 14);
-    for (std::int64_t now_ns = 0; now_ns < 20 * kSecond; now_ns += 5 * kMs) {
-      std::string bytes(rng.below(500), ' ');
-      for (char& c : bytes) {
-        c = rng.below(3) == 0 ? static_cast<char>(rng.below(256))
-                              : alphabet[rng.below(static_cast<std::uint32_t>(alphabet.size()))];
-      }
-      EXPECT_LE(session->transmit().size(), 16U);
-      test::Stream::give(*session, bytes, now_ns, heard);
-      session->tick(now_ns, heard);
-      ASSERT_GT(session->next_deadline_ns(), now_ns) << "or its owner would spin";
-    }
-    EXPECT_TRUE(heard.scans.empty());
+    test::expect_noise_never_ends(rplidar_params(scan), alphabet, 16);
   }
 }
 

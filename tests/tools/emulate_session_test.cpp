@@ -7,6 +7,7 @@
 
 #include "drivers/lrf/scip/number.hpp"
 #include "drivers/lrf/scip/replies.hpp"
+#include "tests/tools/emulate_stream.hpp"
 #include "tests/tools/emulate_support.hpp"
 
 namespace odoless {
@@ -158,17 +159,11 @@ TEST(ScipSession, RefusesADeviceWithMoreBeamsThanThereIsRoomFor) {
   EXPECT_EQ(heard.events[0].reason, Errc::kTooManyBeams);
 }
 
-struct FaultCase {
-  const char* fault;
-  int scans_lost_min;
-  int scans_lost_max;
-};
-
-class ScipSessionFault : public ::testing::TestWithParam<FaultCase> {};
+class ScipSessionFault : public ::testing::TestWithParam<test::FaultCase> {};
 
 // Two seconds in, a fault; in the end the stream runs again, and no scan that was heard is wrong.
 TEST_P(ScipSessionFault, IsSurvived) {
-  const FaultCase& fault_case = GetParam();
+  const test::FaultCase& fault_case = GetParam();
   Bench bench{"utm-30lx", {.faults = {parse_fault(fault_case.fault)}}};
   bench.reset();
   bench.run(8 * kSecond);
@@ -182,18 +177,14 @@ TEST_P(ScipSessionFault, IsSurvived) {
   expect_scans_true(bench, 3 * kMs);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scip, ScipSessionFault,
-                         ::testing::Values(FaultCase{"silence@2:1", 38, 70}, FaultCase{"garbage@2:1", 38, 70},
-                                           FaultCase{"truncate@2:0.2", 7, 10}, FaultCase{"wrong-sum@2:0.2", 7, 10},
-                                           FaultCase{"wrong-sum@2:1", 38, 70}, FaultCase{"reboot@2", 11, 50},
-                                           FaultCase{"beams@2:0.2", 7, 10}, FaultCase{"one-byte@2:1", 0, 2},
-                                           FaultCase{"drift=1000@0", 0, 2}, FaultCase{"drift=-500@2", 0, 2}),
-                         [](const auto& tested) {
-                           std::string name = tested.param.fault;
-                           std::replace_if(
-                               name.begin(), name.end(), [](char c) { return std::isalnum(c) == 0; }, '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Scip, ScipSessionFault,
+    ::testing::Values(test::FaultCase{"silence@2:1", 70, 38}, test::FaultCase{"garbage@2:1", 70, 38},
+                      test::FaultCase{"truncate@2:0.2", 10, 7}, test::FaultCase{"wrong-sum@2:0.2", 10, 7},
+                      test::FaultCase{"wrong-sum@2:1", 70, 38}, test::FaultCase{"reboot@2", 50, 11},
+                      test::FaultCase{"beams@2:0.2", 10, 7}, test::FaultCase{"one-byte@2:1", 2, 0},
+                      test::FaultCase{"drift=1000@0", 2, 0}, test::FaultCase{"drift=-500@2", 2, 0}),
+    test::fault_name);
 
 TEST(ScipSession, CountsScansThatAreTheSame) {
   Bench bench{"utm-30lx", {.faults = {parse_fault("stuck@1:1")}}};

@@ -159,12 +159,7 @@ TEST(SickSession, StampsAreEvenWhenBytesComeLate) {
   EXPECT_LT(worst_ms, 1.5);
 }
 
-struct FaultCase {
-  const char* fault;
-  int scans_lost_max;
-};
-
-class SickSessionFault : public ::testing::TestWithParam<FaultCase> {};
+class SickSessionFault : public ::testing::TestWithParam<test::FaultCase> {};
 
 // Two seconds into the stream, a fault; in the end the stream runs again, and no scan that was heard is wrong.
 TEST_P(SickSessionFault, IsSurvived) {
@@ -181,16 +176,12 @@ TEST_P(SickSessionFault, IsSurvived) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sick, SickSessionFault,
-                         ::testing::Values(FaultCase{"silence@2:1", 80}, FaultCase{"garbage@2:1", 120},
-                                           FaultCase{"truncate@2:0.2", 12}, FaultCase{"wrong-sum@2:0.2", 12},
-                                           FaultCase{"wrong-sum@2:1", 80}, FaultCase{"reboot@2", 220},
-                                           FaultCase{"beams@2:0.2", 12}, FaultCase{"one-byte@2:1", 3}),
-                         [](const auto& tested) {
-                           std::string name = tested.param.fault;
-                           std::replace_if(
-                               name.begin(), name.end(), [](char c) { return std::isalnum(c) == 0; }, '_');
-                           return name;
-                         });
+                         ::testing::Values(test::FaultCase{"silence@2:1", 80}, test::FaultCase{"garbage@2:1", 120},
+                                           test::FaultCase{"truncate@2:0.2", 12},
+                                           test::FaultCase{"wrong-sum@2:0.2", 12}, test::FaultCase{"wrong-sum@2:1", 80},
+                                           test::FaultCase{"reboot@2", 220}, test::FaultCase{"beams@2:0.2", 12},
+                                           test::FaultCase{"one-byte@2:1", 3}),
+                         test::fault_name);
 
 TEST(SickSession, ResetsADeviceThatSaysItIsBroken) {
   Bench bench("lms291", {}, sick_params());
@@ -231,43 +222,12 @@ TEST(SickRobustness, OneDamagedByteAnywhereCostsAtMostOneScan) {
 }
 
 TEST(SickRobustness, AnySplitGivesTheSame) {
-  const test::Stream stream("lms200", sick_params(500000, SickVariant::k180By1), 90 * kMs);
-  const std::vector<test::HeardScan> sent = heard_from(stream, stream.scans());
-  Rng rng(5);
-  for (int i = 0; i < 50; ++i) {
-    test::Heard heard;
-    const auto session = stream.ready_session(heard);
-    std::string_view rest = stream.scans();
-    while (!rest.empty()) {
-      const std::size_t size = std::min<std::size_t>(rest.size(), i == 0 ? 1 : 1 + rng.below(i < 25 ? 50 : 1500));
-      const auto now_ns = 20 * kSecond + static_cast<std::int64_t>(stream.scans().size() - rest.size() + size) * 50'000;
-      test::Stream::give(*session, rest.substr(0, size), now_ns, heard);
-      rest.remove_prefix(size);
-    }
-    EXPECT_TRUE(heard.events.empty());
-    ASSERT_EQ(heard.scans.size(), sent.size()) << "split " << i;
-    ASSERT_TRUE(are_among(heard.scans, sent));
-  }
+  test::expect_any_split_gives_the_same({"lms200", sick_params(500000, SickVariant::k180By1), 90 * kMs}, 50, 1500);
 }
 
 TEST(SickRobustness, NoiseNeverEndsTheSession) {
-  test::Heard heard;
-  const auto session = make_lrf_session(sick_params(), 2048);
-  session->reset(0);
-  Rng rng(13);
   const std::string alphabet("\x02\x80\xD6\x02\xB0\x69\x41\x06\x15\xA0\x00\xB1\x90", 13);
-  for (std::int64_t now_ns = 0; now_ns < 20 * kSecond; now_ns += 5 * kMs) {
-    std::string bytes(rng.below(2000), ' ');
-    for (char& c : bytes) {
-      c = rng.below(3) == 0 ? static_cast<char>(rng.below(256))
-                            : alphabet[rng.below(static_cast<std::uint32_t>(alphabet.size()))];
-    }
-    EXPECT_LE(session->transmit().size(), 48U);
-    test::Stream::give(*session, bytes, now_ns, heard);
-    session->tick(now_ns, heard);
-    ASSERT_GT(session->next_deadline_ns(), now_ns) << "or its owner would spin";
-  }
-  EXPECT_TRUE(heard.scans.empty());
+  test::expect_noise_never_ends(sick_params(), alphabet, 48);
 }
 
 }  // namespace

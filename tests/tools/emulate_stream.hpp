@@ -1,6 +1,9 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <memory>
 #include <string>
@@ -113,5 +116,67 @@ inline const std::map<std::string, Mutation> kMutations{
                             Rng& rng) { return bytes.insert(at, 1, static_cast<char>(rng.below(256))); }},
     {"an inserted line end", [](std::string bytes, std::size_t at, Rng&) { return bytes.insert(at, 1, '\n'); }},
 };
+
+/// One fault of an emulated laser, and what it may cost.
+struct FaultCase {
+  const char* fault;
+  int scans_lost_max;
+  int scans_lost_min = 0;
+};
+
+/// Its name as a part of a test's.
+inline std::string fault_name(const ::testing::TestParamInfo<FaultCase>& tested) {
+  std::string name = tested.param.fault;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return std::isalnum(c) == 0; }, '_');
+  return name;
+}
+
+/// The stream in pieces of chance sizes, the first time byte by byte: the same scans, and nothing is told.
+inline void expect_any_split_gives_the_same(const Stream& stream, int splits, std::uint32_t piece_max_bytes) {
+  const std::vector<HeardScan> sent = heard_from(stream, stream.scans());
+  ASSERT_FALSE(sent.empty());
+  // By their place in the stream, so that the stamps make sense; they are not compared.
+  const std::int64_t byte_ns =
+      stream.period_ns() * static_cast<std::int64_t>(sent.size()) / static_cast<std::int64_t>(stream.scans().size());
+  Rng rng(5);
+  for (int i = 0; i < splits; ++i) {
+    Heard heard;
+    const auto session = stream.ready_session(heard);
+    std::int64_t now_ns = 20 * kSecond;
+    for (std::string_view rest = stream.scans(); !rest.empty();) {
+      const std::size_t size = i == 0 ? 1 : 1 + rng.below(i < splits / 2 ? 50 : piece_max_bytes);
+      const std::string_view piece = rest.substr(0, size);
+      now_ns += static_cast<std::int64_t>(piece.size()) * byte_ns;
+      Stream::give(*session, piece, now_ns, heard);
+      rest.remove_prefix(piece.size());
+    }
+    for (const LrfEvent& event : heard.events) {
+      ADD_FAILURE() << describe(event.reason);
+    }
+    ASSERT_EQ(heard.scans.size(), sent.size()) << "split " << i;
+    ASSERT_TRUE(are_among(heard.scans, sent));
+  }
+}
+
+/// Noise, two thirds of it of what the protocol is made of: no scan, and no busy loop.
+inline void expect_noise_never_ends(const LrfParams& params, std::string_view alphabet, std::size_t request_max_bytes) {
+  Heard heard;
+  const auto session = make_lrf_session(params, 2048);
+  session->reset(0);
+  Rng rng(13);
+  for (std::int64_t now_ns = 0; now_ns < 20 * kSecond; now_ns += 5 * kMs) {
+    std::string bytes(rng.below(2000), ' ');
+    for (char& c : bytes) {
+      c = rng.below(3) == 0 ? static_cast<char>(rng.below(256))
+                            : alphabet[rng.below(static_cast<std::uint32_t>(alphabet.size()))];
+    }
+    EXPECT_LE(session->transmit().size(), request_max_bytes);
+    Stream::give(*session, bytes, now_ns, heard);
+    session->tick(now_ns, heard);
+    ASSERT_GT(session->next_deadline_ns(), now_ns) << "or its owner would spin";
+  }
+  EXPECT_TRUE(heard.scans.empty());
+}
 
 }  // namespace odoless::test

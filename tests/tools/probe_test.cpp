@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 /// A root with one laser on USB, one converter, one port that is only reserved, two networks and a GPIO chip.
 class Machine {
@@ -91,8 +92,9 @@ TEST(Probe, SaysWhyNobodyAnswers) {
   const test::Outcome outcome = test::run({"probe", "/nowhere/at/all", "tcp://laser", "--patience-s", "0.2"});
   EXPECT_EQ(outcome.status, 69);
   EXPECT_THAT(outcome.out,
-              HasSubstr("# /nowhere/at/all\n#   no laser that speaks SCIP answers: there is no such device"));
+              HasSubstr("# /nowhere/at/all\n#   no laser that speaks SCIP (Hokuyo) answers: there is no such device"));
   EXPECT_THAT(outcome.out, HasSubstr("# tcp://laser\n"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("SICK"))) << "what cannot be opened is not asked three times";
 }
 
 }  // namespace

@@ -24,7 +24,11 @@ std::vector<Fault> faults_of(const std::string& text) { return {parse_fault(text
 
 class TiltContract : public ::testing::TestWithParam<TiltDriver> {
  protected:
-  [[nodiscard]] static TiltParams params() { return servo_params(GetParam()); }
+  [[nodiscard]] static TiltParams params(TiltCommand at_start = TiltCommand::kLevel) {
+    TiltParams params = servo_params(GetParam());
+    params.at_start = at_start;
+    return params;
+  }
 };
 
 void expect_samples_true(ServoBench& bench, double error_max_rad) {
@@ -68,8 +72,7 @@ TEST_P(TiltContract, TurnsAnglesRoundAndMovesTheirZeroAsConfigured) {
 }
 
 TEST_P(TiltContract, NodsBetweenTheEndsOfTheSweepWithinTheLimits) {
-  TiltParams sweeping = params();
-  sweeping.at_start = TiltCommand::kSweep;
+  TiltParams sweeping = params(TiltCommand::kSweep);
   sweeping.sweep_from_rad = -2.0;  // beyond the limit
   sweeping.limit_min_rad = -0.6;
   ServoBench bench(sweeping);
@@ -97,12 +100,10 @@ TEST_P(TiltContract, NodsBetweenTheEndsOfTheSweepWithinTheLimits) {
 }
 
 TEST_P(TiltContract, TheAngleOfEachBeamIsFoundBetweenTheSamples) {
-  TiltParams sweeping = params();
-  sweeping.at_start = TiltCommand::kSweep;
-  ServoBench bench(sweeping);
+  ServoBench bench(params(TiltCommand::kSweep));
   bench.reset();
   bench.run(4 * kServoSecond);
-  TiltHistory history(5 * sweeping.sample_period_ns);
+  TiltHistory history(5 * params().sample_period_ns);
   for (const TiltSample& sample : bench.heard().samples) {
     EXPECT_TRUE(history.add(sample.stamp_ns, sample.angle_rad));
   }
@@ -115,9 +116,7 @@ TEST_P(TiltContract, TheAngleOfEachBeamIsFoundBetweenTheSamples) {
 }
 
 TEST_P(TiltContract, StopsWithin200MsAndStaysSo) {
-  TiltParams sweeping = params();
-  sweeping.at_start = TiltCommand::kSweep;
-  ServoBench bench(sweeping);
+  ServoBench bench(params(TiltCommand::kSweep));
   bench.reset();
   bench.run(2 * kServoSecond);
   bench.run_until([&] { return std::abs(bench.servo().velocity_radps()) > 0.9; }, 2 * kServoSecond);
@@ -133,10 +132,30 @@ TEST_P(TiltContract, StopsWithin200MsAndStaysSo) {
   EXPECT_GT(bench.run_until(TiltState::kLevel, 2 * kServoSecond), 0);
 }
 
+// As an owner does who tells it in every round.
+TEST_P(TiltContract, ToldTheSameAgainAndAgainItSaysNoMore) {
+  for (const TiltCommand command : {TiltCommand::kStop, TiltCommand::kLevel, TiltCommand::kSweep}) {
+    std::size_t samples[2] = {};
+    for (const bool tells_again : {false, true}) {
+      ServoBench bench(params(command));
+      bench.reset();
+      bench.run(kServoSecond);
+      const std::size_t before = bench.heard().samples.size();
+      for (int i = 0; i < 2000; ++i) {
+        if (tells_again) {
+          bench.command(command);
+        }
+        bench.run(kServoMs / 2);
+      }
+      samples[tells_again ? 1 : 0] = bench.heard().samples.size() - before;
+    }
+    EXPECT_NEAR(static_cast<double>(samples[1]), static_cast<double>(samples[0]), 2.0)
+        << kTiltCommandNames[static_cast<std::size_t>(command)];
+  }
+}
+
 TEST_P(TiltContract, ToldToStopBeforeItIsThereItDoesNotMove) {
-  TiltParams stopped = params();
-  stopped.at_start = TiltCommand::kStop;
-  ServoBench bench(stopped);
+  ServoBench bench(params(TiltCommand::kStop));
   const double start_rad = bench.angle_rad();
   bench.reset();
   EXPECT_GT(bench.run_until(TiltState::kStopped, 3 * kServoSecond), 0);
@@ -146,9 +165,7 @@ TEST_P(TiltContract, ToldToStopBeforeItIsThereItDoesNotMove) {
 }
 
 TEST_P(TiltContract, AStopHoldsThroughAReboot) {
-  TiltParams stopped = params();
-  stopped.at_start = TiltCommand::kStop;
-  ServoBench bench(stopped, faults_of("reboot@1"));
+  ServoBench bench(params(TiltCommand::kStop), faults_of("reboot@1"));
   bench.reset();
   bench.run(4 * kServoSecond);
   EXPECT_EQ(bench.session().state(), TiltState::kStopped);
@@ -156,9 +173,7 @@ TEST_P(TiltContract, AStopHoldsThroughAReboot) {
 }
 
 TEST_P(TiltContract, AStalledServoIsToldAndStoppedAndTriedAgain) {
-  TiltParams sweeping = params();
-  sweeping.at_start = TiltCommand::kSweep;
-  ServoBench bench(sweeping, faults_of("stall@2:1"));
+  ServoBench bench(params(TiltCommand::kSweep), faults_of("stall@2:1"));
   bench.reset();
   bench.run(2 * kServoSecond);
   ASSERT_EQ(bench.session().state(), TiltState::kSweeping);
@@ -167,9 +182,33 @@ TEST_P(TiltContract, AStalledServoIsToldAndStoppedAndTriedAgain) {
   EXPECT_LE(took_ns, 200 * kServoMs);
   EXPECT_EQ(bench.heard().count(TiltEventType::kStalled), 1);
   EXPECT_EQ(bench.session().counters().stalls, 1U);
+  const double jammed_rad = bench.angle_rad();
+  bench.run(1500 * kServoMs);  // it is free again, and would go on if it had not been stopped
+  EXPECT_EQ(bench.session().state(), TiltState::kFault);
+  EXPECT_EQ(bench.servo().velocity_radps(), 0.0);
+  EXPECT_NEAR(bench.angle_rad(), jammed_rad, 0.03);
   EXPECT_GT(bench.run_until(TiltState::kSweeping, 4 * kServoSecond), 0);
-  bench.run(2 * kServoSecond);
+  const std::int64_t swept_ns =
+      bench.run_until([&] { return std::abs(bench.angle_rad() - jammed_rad) > 0.5; }, 2 * kServoSecond);
+  EXPECT_GE(swept_ns, 0) << "it moves again";
   EXPECT_EQ(bench.session().counters().stalls, 1U);
+}
+
+TEST_P(TiltContract, AServoThatStaysJammedIsTriedAgainAndAgainAndNeverSaysThatItMoves) {
+  ServoBench bench(params(TiltCommand::kSweep), faults_of("stall@2"));
+  bench.reset();
+  bench.run(2 * kServoSecond);
+  const double jammed_rad = bench.angle_rad();
+  bench.run(10 * kServoSecond);
+  EXPECT_GE(bench.session().counters().stalls, 3U);
+  EXPECT_EQ(static_cast<std::uint64_t>(bench.heard().count(TiltEventType::kStalled)),
+            bench.session().counters().stalls);
+  EXPECT_LE(bench.session().counters().stalls, 6U) << "with a pause between";
+  for (const TiltSample& sample : bench.heard().samples) {
+    if (sample.stamp_ns > bench.now_ns() - 9 * kServoSecond) {
+      ASSERT_NEAR(sample.angle_rad, jammed_rad, 0.02);
+    }
+  }
 }
 
 TEST_P(TiltContract, AServoThatFallsSilentIsToldAndComesBack) {
@@ -219,9 +258,7 @@ TEST_P(TiltContract, DamagedFramesAreRefusedAndNoWrongAngleIsPassedOn) {
 }
 
 TEST_P(TiltContract, AClockThatDriftsMattersNot) {
-  TiltParams sweeping = params();
-  sweeping.at_start = TiltCommand::kSweep;
-  ServoBench bench(sweeping, faults_of("drift=1000@0"));
+  ServoBench bench(params(TiltCommand::kSweep), faults_of("drift=1000@0"));
   bench.reset();
   bench.run(10 * kServoSecond);
   EXPECT_EQ(bench.session().counters().restarts, 0U);
@@ -229,9 +266,7 @@ TEST_P(TiltContract, AClockThatDriftsMattersNot) {
 }
 
 TEST_P(TiltContract, AHostThatSleptFindsTheServoStoppedAndGoesOn) {
-  TiltParams sweeping = params();
-  sweeping.at_start = TiltCommand::kSweep;
-  ServoBench bench(sweeping);
+  ServoBench bench(params(TiltCommand::kSweep));
   bench.reset();
   bench.run(3 * kServoSecond);
   bench.host_asleep = true;

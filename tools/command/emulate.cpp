@@ -4,12 +4,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 
 #include "rt/cpu_clock.hpp"
+#include "tools/command/emulate_devices.hpp"
 #include "tools/command/error.hpp"
 #include "tools/emulate/log_source.hpp"
 #include "tools/emulate/lrf_emulator.hpp"
@@ -22,26 +25,6 @@
 
 namespace odoless {
 namespace {
-
-struct EmulateLrfOptions {
-  std::string from;
-  std::string pty;
-  int tcp_port = -1;  ///< -1: not on a network
-  bool usbip = false;
-  UsbIdentity usb;
-  std::string model = "utm-30lx";
-  std::string truth;
-  double rate_ratio = 1.0;
-  double noise_sd_m = -1.0;  ///< negative: the model's
-  double start_delay_s = 0.0;
-  double duration_s = 0.0;  ///< 0: for ever
-  std::uint64_t seed = 1;
-  std::uint32_t counter_ms = 0;
-  bool distortion = false;
-  bool start_at_once = false;
-  bool stop_at_end = false;
-  std::vector<std::string> faults;
-};
 
 EmulatedLrfModel model_of(const std::string& name) {
   const std::vector<EmulatedLrfModel> models = emulated_lrf_models();
@@ -75,53 +58,12 @@ EmulatedLrfOptions device_options(const EmulateLrfOptions& options) {
   return device;
 }
 
-void say(const std::string& line) {
-  fmt::print("{}\n", line);
-  static_cast<void>(std::fflush(stdout));  // a script waits for it
-}
-
-std::unique_ptr<EmulatedLine> make_line(const EmulateLrfOptions& options) {
-  if (options.usbip) {
-    return std::make_unique<UsbipLine>(options.usb);
-  }
-  if (options.tcp_port >= 0) {
-    return std::make_unique<TcpServerLine>(static_cast<std::uint16_t>(options.tcp_port));
-  }
-  return std::make_unique<PseudoTerminal>(options.pty);
-}
-
-void run(const EmulateLrfOptions& options) {
-  const EmulatedLrfModel model = model_of(options.model);
-  const EmulatedLrfOptions device_settings = device_options(options);
-  const std::unique_ptr<ScanSource> source = make_source(options, model);
-  const std::unique_ptr<EmulatedLine> line = make_line(options);
-  const std::unique_ptr<EmulatedLrf> device =
-      make_emulated_lrf(options.model, *source, device_settings, monotonic_ns());
-  say(fmt::format("{} on {}", model.product, line->path()));
-  LrfEmulatorOptions loop{.truth = options.truth, .stops_at_end = options.stop_at_end};
-  if (options.duration_s > 0.0) {
-    loop.duration_ns = std::llround(options.duration_s * 1e9);
-  }
-  const LrfEmulation done = emulate_lrf(*device, *source, *line, loop, [] { say("path done"); });
-  say(fmt::format("{} scans sent, {} dropped", done.scans, done.dropped));
-}
-
 std::vector<std::string> model_names() {
   std::vector<std::string> names;
   for (const EmulatedLrfModel& model : emulated_lrf_models()) {
     names.push_back(model.name);
   }
   return names;
-}
-
-void add_line_options(CLI::App& command, EmulateLrfOptions& options) {
-  CLI::Option_group* const line = command.add_option_group("line", "What the laser is on");
-  line->add_option("--pty", options.pty, "A pseudo-terminal: link to make to the line's end for the client");
-  line->add_option("--tcp", options.tcp_port, "A network: port of 127.0.0.1 to listen on; 0: any that is free")
-      ->check(CLI::Range(0, 65535));
-  line->add_flag("--usbip", options.usbip, "USB of this machine, by the kernel's vhci_hcd (needs root)");
-  line->require_option(1);
-  command.add_option("--usb-serial", options.usb.serial, "Serial number for --usbip")->capture_default_str();
 }
 
 void add_time_options(CLI::App& command, EmulateLrfOptions& options) {
@@ -138,38 +80,90 @@ void add_time_options(CLI::App& command, EmulateLrfOptions& options) {
   command.add_flag("--stop-at-end", options.stop_at_end, "Stop when the path or the log is over");
 }
 
+void run(const EmulateLrfOptions& options) {
+  const EmulatedLaser laser = make_laser(options);
+  const std::unique_ptr<EmulatedLine> line = make_line(options);
+  say(fmt::format("{} on {}", laser.product, line->path()));
+  LoopedLrf looped(*laser.device, *laser.source, *line, options.truth, [] { say("path done"); });
+  const std::array<LoopedDevice*, 1> devices{&looped};
+  serve_devices(devices, duration_ns(options.duration_s), options.stop_at_end);
+  say(fmt::format("{} scans sent, {} dropped", looped.done().scans, looped.done().dropped));
+}
+
 void add_lrf(CLI::App& emulate) {
   auto options = std::make_shared<EmulateLrfOptions>();
   CLI::App* const command = emulate.add_subcommand(
       "lrf", "A laser range finder (Hokuyo, SICK, RPLIDAR) on a line of your choice, until it is stopped");
   command->add_option("--from", options->from, "World file (*.world), or a log of any kind that replay reads")
       ->required();
-  add_line_options(*command, *options);
-  command->add_option("--model", options->model, "Laser to be")
-      ->check(CLI::IsMember(model_names()))
-      ->capture_default_str();
-  add_time_options(*command, *options);
-  command->add_option("--noise-sd-m", options->noise_sd_m, "Deviation of a world's ranges [the model's]")
-      ->check(CLI::Range(0.0, 10.0));
-  command->add_flag("--distortion", options->distortion, "Cast each beam of a world at its own time");
-  command->add_option("--seed", options->seed, "Seed of the noise")->capture_default_str();
-  command->add_option("--truth", options->truth,
-                      "File for the true pose at each scan sent (TUM), stamped as odolessd does");
-  command->add_option("--counter-ms", options->counter_ms, "What the device's clock shows at first; it wraps at 2^24")
-      ->check(CLI::Range(0, (1 << 24) - 1));
-  command->add_option(
-      "--fault", options->faults,
-      "KIND[=VALUE]@SECONDS[:DURATION] since the first stream, may be repeated; KIND: " + fault_names());
+  add_line_options(*command, *options, true);
+  add_laser_options(*command, *options);
   command->callback([options] { run(*options); });
 }
 
 }  // namespace
+
+void say(const std::string& line) {
+  fmt::print("{}\n", line);
+  static_cast<void>(std::fflush(stdout));
+}
+
+std::int64_t duration_ns(double duration_s) {
+  return duration_s > 0.0 ? std::llround(duration_s * 1e9) : std::numeric_limits<std::int64_t>::max();
+}
+
+std::unique_ptr<EmulatedLine> make_line(const EmulateLrfOptions& options) {
+  if (options.usbip) {
+    return std::make_unique<UsbipLine>(options.usb);
+  }
+  if (options.tcp_port >= 0) {
+    return std::make_unique<TcpServerLine>(static_cast<std::uint16_t>(options.tcp_port));
+  }
+  return std::make_unique<PseudoTerminal>(options.pty);
+}
+
+EmulatedLaser make_laser(const EmulateLrfOptions& options) {
+  const EmulatedLrfModel model = model_of(options.model);
+  const EmulatedLrfOptions device = device_options(options);
+  EmulatedLaser laser{.product = model.product, .source = make_source(options, model), .device = {}};
+  laser.device = make_emulated_lrf(options.model, *laser.source, device, monotonic_ns());
+  return laser;
+}
+
+void add_line_options(CLI::App& command, EmulateLrfOptions& options, bool is_required) {
+  CLI::Option_group* const line = command.add_option_group("line", "What the laser is on");
+  line->add_option("--pty", options.pty, "A pseudo-terminal: link to make to the line's end for the client");
+  line->add_option("--tcp", options.tcp_port, "A network: port of 127.0.0.1 to listen on; 0: any that is free")
+      ->check(CLI::Range(0, 65535));
+  line->add_flag("--usbip", options.usbip, "USB of this machine, by the kernel's vhci_hcd (needs root)");
+  line->require_option(is_required ? 1 : 0, 1);
+  command.add_option("--usb-serial", options.usb.serial, "Serial number for --usbip")->capture_default_str();
+}
+
+void add_laser_options(CLI::App& command, EmulateLrfOptions& options) {
+  command.add_option("--model", options.model, "Laser to be")
+      ->check(CLI::IsMember(model_names()))
+      ->capture_default_str();
+  add_time_options(command, options);
+  command.add_option("--noise-sd-m", options.noise_sd_m, "Deviation of a world's ranges [the model's]")
+      ->check(CLI::Range(0.0, 10.0));
+  command.add_flag("--distortion", options.distortion, "Cast each beam of a world at its own time");
+  command.add_option("--seed", options.seed, "Seed of the noise")->capture_default_str();
+  command.add_option("--truth", options.truth,
+                     "File for the true pose at each scan sent (TUM), stamped as odolessd does");
+  command.add_option("--counter-ms", options.counter_ms, "What the device's clock shows at first; it wraps at 2^24")
+      ->check(CLI::Range(0, (1 << 24) - 1));
+  command.add_option("--fault", options.faults,
+                     fmt::format("{} since the first stream, may be repeated; KIND: {}", kFaultForm, fault_names()));
+}
 
 void add_emulate(CLI::App& app) {
   CLI::App* const command = app.add_subcommand("emulate", "Be a device that isn't there");
   command->require_subcommand(1);
   add_lrf(*command);
   add_emulate_servo(*command);
+  add_emulate_gpio(*command);
+  add_emulate_robot(*command);
 }
 
 }  // namespace odoless

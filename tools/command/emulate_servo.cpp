@@ -3,36 +3,19 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdio>
-#include <limits>
 #include <memory>
 #include <numbers>
 
 #include "rt/cpu_clock.hpp"
 #include "tools/command/emulate.hpp"
+#include "tools/command/emulate_devices.hpp"
 #include "tools/command/error.hpp"
 #include "tools/emulate/cia402_device.hpp"
 #include "tools/emulate/dynamixel_device.hpp"
-#include "tools/emulate/servo_line.hpp"
+#include "tools/emulate/pseudo_terminal.hpp"
 
 namespace odoless {
 namespace {
-
-struct EmulateServoOptions {
-  bool cia402 = false;
-  bool dynamixel = false;
-  std::string can;
-  std::string pty;
-  std::string log;
-  int id = 1;
-  double start_deg = 10.0;
-  double home_deg = 0.0;
-  double counts_per_turn = 65'536.0;
-  bool echoes = false;
-  double duration_s = 0.0;  ///< 0: for ever
-  std::vector<std::string> faults;
-};
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
@@ -49,6 +32,23 @@ std::vector<Fault> servo_faults(const std::vector<std::string>& texts) {
   }
   return faults;
 }
+
+void run(const EmulateServoOptions& options, double duration_s) {
+  if (options.cia402 == options.dynamixel || options.cia402 == options.can.empty() ||
+      options.dynamixel == options.pty.empty()) {
+    throw UsageError("expected either --cia402 --can INTERFACE or --dynamixel --pty PATH");
+  }
+  const std::unique_ptr<EmulatedServo> servo = make_servo(options);
+  const std::unique_ptr<ServoLine> line = make_servo_line(options);
+  say(fmt::format("{}: {} number {}", options.cia402 ? options.can : options.pty,
+                  options.cia402 ? "CiA 402 drive" : "Dynamixel XM430-W350", options.id));
+  LoopedServo looped(*servo, *line);
+  const std::array<LoopedDevice*, 1> devices{&looped};
+  serve_devices(devices, duration_ns(duration_s), false);
+  say(fmt::format("axis at {:.2f} deg", servo->angle_rad() * 180.0 / std::numbers::pi));
+}
+
+}  // namespace
 
 std::unique_ptr<EmulatedServo> make_servo(const EmulateServoOptions& options) {
   if (options.cia402) {
@@ -68,27 +68,14 @@ std::unique_ptr<EmulatedServo> make_servo(const EmulateServoOptions& options) {
   return std::make_unique<DynamixelDevice>(std::move(device), monotonic_ns());
 }
 
-void run(const EmulateServoOptions& options) {
-  if (options.cia402 == options.dynamixel || options.cia402 == options.can.empty() ||
-      options.dynamixel == options.pty.empty()) {
-    throw UsageError("expected either --cia402 --can INTERFACE or --dynamixel --pty PATH");
-  }
-  const std::unique_ptr<EmulatedServo> servo = make_servo(options);
-  const std::unique_ptr<ServoLine> line =
-      options.cia402 ? make_servo_can(options.can, options.log) : make_servo_terminal(options.pty);
-  fmt::print("{}: {} number {}\n", options.cia402 ? options.can : options.pty,
-             options.cia402 ? "CiA 402 drive" : "Dynamixel XM430-W350", options.id);
-  static_cast<void>(std::fflush(stdout));  // a script waits for it
-  emulate_servo(
-      *servo, *line,
-      options.duration_s > 0.0 ? std::llround(options.duration_s * 1e9) : std::numeric_limits<std::int64_t>::max());
-  fmt::print("axis at {:.2f} deg\n", servo->angle_rad() * 180.0 / std::numbers::pi);
+std::unique_ptr<ServoLine> make_servo_line(const EmulateServoOptions& options) {
+  return options.can.empty() ? make_servo_stream(std::make_unique<PseudoTerminal>(options.pty))
+                             : make_servo_can(options.can, options.log);
 }
-
-}  // namespace
 
 void add_emulate_servo(CLI::App& emulate) {
   auto options = std::make_shared<EmulateServoOptions>();
+  auto duration_s = std::make_shared<double>(0.0);  // 0: for ever
   CLI::App* const command = emulate.add_subcommand("servo", "A servo that tilts the laser, until it is stopped");
   command->add_flag("--cia402", options->cia402, "A CANopen drive (CiA 402)");
   command->add_flag("--dynamixel", options->dynamixel, "A Dynamixel of the X series (Protocol 2.0)");
@@ -106,12 +93,12 @@ void add_emulate_servo(CLI::App& emulate) {
       ->check(CLI::Range(16.0, 268'435'456.0))
       ->capture_default_str();
   command->add_flag("--echoes", options->echoes, "Dynamixel: send back what comes, as half-duplex adapters do");
-  command->add_option("--duration-s", options->duration_s, "Stop after this time [SIGTERM stops it]")
+  command->add_option("--duration-s", *duration_s, "Stop after this time [SIGTERM stops it]")
       ->check(CLI::Range(0.001, 1e9));
   command->add_option("--fault", options->faults,
                       "KIND[=VALUE]@SECONDS[:DURATION] since it was first spoken to, may be repeated; KIND: silence, "
                       "wrong-sum, reboot, drift=PPM, stall, error=CODE");
-  command->callback([options] { run(*options); });
+  command->callback([options, duration_s] { run(*options, *duration_s); });
 }
 
 }  // namespace odoless

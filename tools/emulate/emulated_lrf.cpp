@@ -26,7 +26,14 @@ bool EmulatedLrf::fault(FaultKind kind, std::int64_t now_ns) const {
 }
 
 bool EmulatedLrf::is_mute(std::int64_t now_ns) const {
-  return fault(FaultKind::kSilence, now_ns) || fault(FaultKind::kReboot, now_ns);
+  return !has_power_ || fault(FaultKind::kSilence, now_ns) || fault(FaultKind::kReboot, now_ns);
+}
+
+void EmulatedLrf::set_power(bool on, std::int64_t now_ns) {
+  if (on && !has_power_) {
+    restart(now_ns);
+  }
+  has_power_ = on;
 }
 
 void EmulatedLrf::follow_faults(std::int64_t now_ns) {

@@ -54,6 +54,9 @@ class EmulatedLrf {
   /// What is to be sent, in order.
   [[nodiscard]] std::vector<SentBytes> take_output();
 
+  /// Its supply: without, it is mute, and with it again, it starts anew. It is on at first.
+  void set_power(bool on, std::int64_t now_ns);
+
   /// The source's time at the host's; nothing before it has started.
   [[nodiscard]] std::optional<std::int64_t> source_time_ns(std::int64_t now_ns) const;
 
@@ -108,6 +111,7 @@ class EmulatedLrf {
   std::int64_t next_piece_ = 0;            ///< the first one that isn't due yet
   int line_baud_ = 0;
   bool was_rebooted_ = false;
+  bool has_power_ = true;
   double drift_ppm_ = 0.0;
 };
 

@@ -15,8 +15,8 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<std::string_view, 11> kNames{"silence",  "garbage", "truncate", "wrong-sum", "reboot", "drift",
-                                                  "one-byte", "stuck",   "beams",    "stall",     "error"};
+constexpr std::array<std::string_view, 12> kNames{"silence",  "garbage", "truncate", "wrong-sum", "reboot", "drift",
+                                                  "one-byte", "stuck",   "beams",    "stall",     "error",  "stop"};
 constexpr double kSecondsMax = 1e8;
 constexpr double kRebootS = 0.3;
 

@@ -18,6 +18,7 @@ enum class FaultKind : std::uint8_t {
   kBeams,     ///< scans have a third of their beams less
   kStall,     ///< servo: doesn't move
   kError,     ///< servo: reports the error VALUE, and is off until it is reset
+  kStop,      ///< GPIO: the emergency stop is pressed
 };
 
 /// One fault of an emulated device; times since a laser's stream was started first, or a servo was first spoken to.

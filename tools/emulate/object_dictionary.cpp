@@ -1,6 +1,6 @@
 #include "tools/emulate/object_dictionary.hpp"
 
-#include <initializer_list>
+#include <array>
 
 namespace odoless {
 namespace {
@@ -26,55 +26,70 @@ bool is_mapping(std::uint16_t index) {
 
 constexpr std::uint8_t kMappedMax = 8;
 
+/// What a drive's dictionary has besides its PDOs.
+struct Row {
+  Object object;
+  std::uint32_t value;
+  int size_bytes;
+  ObjectDictionary::Access access;
+};
+constexpr auto kRead = ObjectDictionary::Access::kReadOnly;
+constexpr auto kWrite = ObjectDictionary::Access::kReadWrite;
+constexpr std::array kRows{
+    Row{{0x1000, 0}, 0x00020192, 4, kRead},  // servo drive, 402
+    Row{{0x1001, 0}, 0, 1, kRead},
+    Row{{0x1005, 0}, 0x80, 4, kWrite},
+    Row{{0x1016, 0}, 1, 1, kRead},
+    Row{{0x1016, 1}, 0, 4, kWrite},
+    Row{{0x1017, 0}, 0, 2, kWrite},
+    Row{{0x1018, 0}, 1, 1, kRead},
+    Row{{0x1018, 1}, 0x0D0, 4, kRead},
+    Row{{0x6007, 0}, 1, 2, kWrite},
+    Row{{0x603F, 0}, 0, 2, kRead},
+    Row{{0x6040, 0}, 0, 2, kWrite},
+    Row{{0x6041, 0}, 0, 2, kRead},
+    Row{{0x605A, 0}, 2, 2, kWrite},
+    Row{{0x6060, 0}, 0, 1, kWrite},
+    Row{{0x6061, 0}, 0, 1, kRead},
+    Row{{0x6064, 0}, 0, 4, kRead},
+    Row{{0x606C, 0}, 0, 4, kRead},
+    Row{{0x607A, 0}, 0, 4, kWrite},
+    Row{{0x607D, 1}, 0x80000000U, 4, kWrite},
+    Row{{0x607D, 2}, 0x7FFFFFFFU, 4, kWrite},
+    Row{{0x6081, 0}, 10'000, 4, kWrite},
+    Row{{0x6083, 0}, 10'000, 4, kWrite},
+    Row{{0x6084, 0}, 10'000, 4, kWrite},
+    Row{{0x6085, 0}, 10'000, 4, kWrite},
+    Row{{0x6098, 0}, 0, 1, kWrite},
+    Row{{0x6099, 1}, 1'000, 4, kWrite},
+    Row{{0x6099, 2}, 100, 4, kWrite},
+    Row{{0x609A, 0}, 10'000, 4, kWrite},
+};
+
 }  // namespace
 
 ObjectDictionary::ObjectDictionary(int node) : node_(node) {
-  constexpr auto kRead = Access::kReadOnly;
-  constexpr auto kWrite = Access::kReadWrite;
-  const auto id = static_cast<std::uint32_t>(node);
-  add({0x1000, 0}, 0x00020192, 4, kRead);  // servo drive, 402
-  add({0x1001, 0}, 0, 1, kRead);
-  add({0x1005, 0}, 0x80, 4, kWrite);
-  add({0x1016, 0}, 1, 1, kRead);
-  add({0x1016, 1}, 0, 4, kWrite);
-  add({0x1017, 0}, 0, 2, kWrite);
-  add({0x1018, 0}, 1, 1, kRead);
-  add({0x1018, 1}, 0x0D0, 4, kRead);
+  for (const Row& row : kRows) {
+    add(row.object, row.value, row.size_bytes, row.access);
+  }
   for (std::uint16_t pdo = 0; pdo < 4; ++pdo) {
-    for (const std::uint32_t base : {0x1400U, 0x1800U}) {
-      const auto communication = static_cast<std::uint16_t>(base + pdo);
-      const bool transmits = base == 0x1800U;
-      const std::uint32_t cob = (transmits ? 0x180U : 0x200U) + 0x100U * pdo + id;
-      add({communication, 0}, 5, 1, kRead);
-      add({communication, 1}, cob | (pdo > 0 ? kInvalidPdo : 0U), 4, kWrite);
-      add({communication, 2}, 0xFF, 1, kWrite);
-      add({communication, 3}, 0, 2, kWrite);
-      if (transmits) {
-        add({communication, 5}, 0, 2, kWrite);
-      }
-      for (std::uint8_t sub = 0; sub <= kMappedMax; ++sub) {
-        add({static_cast<std::uint16_t>(communication + 0x200U), sub}, 0, sub == 0 ? 1 : 4, kWrite);
-      }
-    }
+    add_pdo(static_cast<std::uint16_t>(0x1400U + pdo), 0x200U + 0x100U * pdo);
+    add_pdo(static_cast<std::uint16_t>(0x1800U + pdo), 0x180U + 0x100U * pdo);
+    add({static_cast<std::uint16_t>(0x1800U + pdo), 5}, 0, 2, Access::kReadWrite);  // event timer: of sent ones alone
   }
-  add({0x6007, 0}, 1, 2, kWrite);
-  add({0x603F, 0}, 0, 2, kRead);
-  add({0x6040, 0}, 0, 2, kWrite);
-  add({0x6041, 0}, 0, 2, kRead);
-  add({0x605A, 0}, 2, 2, kWrite);
-  add({0x6060, 0}, 0, 1, kWrite);
-  add({0x6061, 0}, 0, 1, kRead);
-  add({0x6064, 0}, 0, 4, kRead);
-  add({0x606C, 0}, 0, 4, kRead);
-  add({0x607A, 0}, 0, 4, kWrite);
-  add({0x607D, 1}, 0x80000000U, 4, kWrite);
-  add({0x607D, 2}, 0x7FFFFFFFU, 4, kWrite);
-  for (const std::uint16_t index : std::initializer_list<std::uint16_t>{0x6081, 0x6083, 0x6084, 0x6085, 0x609A}) {
-    add({index, 0}, 10'000, 4, kWrite);
+}
+
+void ObjectDictionary::add_pdo(std::uint16_t communication, std::uint32_t cob) {
+  const bool is_first = (communication & 0xFFU) == 0;
+  add({communication, 0}, 5, 1, Access::kReadOnly);
+  add({communication, 1}, (cob + static_cast<std::uint32_t>(node_)) | (is_first ? 0U : kInvalidPdo), 4,
+      Access::kReadWrite);
+  add({communication, 2}, 0xFF, 1, Access::kReadWrite);
+  add({communication, 3}, 0, 2, Access::kReadWrite);
+  const auto mapping = static_cast<std::uint16_t>(communication + 0x200U);
+  for (std::uint8_t sub = 0; sub <= kMappedMax; ++sub) {
+    add({mapping, sub}, 0, sub == 0 ? 1 : 4, Access::kReadWrite);
   }
-  add({0x6098, 0}, 0, 1, kWrite);
-  add({0x6099, 1}, 1'000, 4, kWrite);
-  add({0x6099, 2}, 100, 4, kWrite);
 }
 
 void ObjectDictionary::add(Object object, std::uint32_t value, int size_bytes, Access access) {

@@ -36,6 +36,8 @@ class ObjectDictionary {
     Access access = Access::kReadOnly;
   };
 
+  /// Communication and mapping of a PDO.
+  void add_pdo(std::uint16_t communication, std::uint32_t cob);
   [[nodiscard]] std::uint32_t mapping_problem(canopen::Object object, std::uint32_t value) const;
   [[nodiscard]] bool pdo_is_valid(std::uint16_t mapping) const;
 

@@ -1,9 +1,7 @@
 #include "tools/emulate/servo_line.hpp"
 
 #include <fmt/format.h>
-#include <poll.h>
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <string_view>
@@ -12,34 +10,40 @@
 #include "drivers/io/socket_can.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
-#include "tools/emulate/stop_signals.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kIdleNs = 20'000'000;
 constexpr int kFramesPerRound = 256;
 
-class ServoTerminal final : public ServoLine {
+class ServoStream final : public ServoLine {
  public:
-  explicit ServoTerminal(const std::filesystem::path& link) : terminal_(link) {}
+  explicit ServoStream(std::unique_ptr<EmulatedLine> line) : line_(std::move(line)) {}
 
-  [[nodiscard]] int descriptor() override { return terminal_.has_client() ? terminal_.descriptor() : -1; }
+  [[nodiscard]] int descriptor() override { return line_->has_client() ? line_->descriptor() : -1; }
+  [[nodiscard]] bool has_waiting() const override { return !waiting_.empty(); }
 
   [[nodiscard]] std::vector<ServoFrame> read() override {
-    const std::string bytes = terminal_.has_client() ? terminal_.read() : std::string();
+    flush();
+    const std::string bytes = line_->has_client() ? line_->read() : std::string();
     const auto view = std::as_bytes(std::span(bytes.data(), bytes.size()));
     return bytes.empty() ? std::vector<ServoFrame>{} : std::vector<ServoFrame>{{view.begin(), view.end()}};
   }
 
   void write(const ServoFrame& frame) override {
-    if (terminal_.has_client()) {
-      static_cast<void>(terminal_.write({reinterpret_cast<const char*>(frame.data()), frame.size()}));
+    if (waiting_.size() < kWaitingMax) {
+      waiting_.append(reinterpret_cast<const char*>(frame.data()), frame.size());
     }
+    flush();
   }
 
  private:
-  PseudoTerminal terminal_;
+  static constexpr std::size_t kWaitingMax = 65'536;
+
+  void flush() { waiting_.erase(0, line_->has_client() ? line_->write(waiting_) : waiting_.size()); }
+
+  std::unique_ptr<EmulatedLine> line_;
+  std::string waiting_;  ///< for a client that is slow to read
 };
 
 class ServoCan final : public ServoLine {
@@ -104,31 +108,26 @@ class ServoCan final : public ServoLine {
 
 }  // namespace
 
-std::unique_ptr<ServoLine> make_servo_terminal(const std::filesystem::path& link) {
-  return std::make_unique<ServoTerminal>(link);
+std::unique_ptr<ServoLine> make_servo_stream(std::unique_ptr<EmulatedLine> line) {
+  return std::make_unique<ServoStream>(std::move(line));
 }
 
 std::unique_ptr<ServoLine> make_servo_can(const std::string& interface, const std::filesystem::path& log) {
   return std::make_unique<ServoCan>(interface, log);
 }
 
-void emulate_servo(EmulatedServo& servo, ServoLine& line, std::int64_t duration_ns) {
-  const StopSignals signals;
-  const std::int64_t end_ns = monotonic_ns() + std::min(duration_ns, std::int64_t{1} << 62U);
-  while (!StopSignals::stopped() && monotonic_ns() < end_ns) {
-    for (const ServoFrame& frame : line.read()) {
-      servo.receive(frame, monotonic_ns());
-    }
-    servo.tick(monotonic_ns());
-    for (const ServoFrame& frame : servo.take_output()) {
-      line.write(frame);
-    }
-    const int descriptor = line.descriptor();
-    const std::int64_t until_ns = std::min(end_ns, servo.next_event_ns());
-    const std::int64_t wait_ns = descriptor < 0 ? kIdleNs : until_ns - monotonic_ns();
-    const timespec timeout{.tv_sec = 0, .tv_nsec = std::clamp<std::int64_t>(wait_ns, 0, kIdleNs)};
-    pollfd poll{.fd = descriptor, .events = POLLIN, .revents = 0};
-    static_cast<void>(::ppoll(&poll, 1, &timeout, &signals.mask()));
+pollfd waits_for(ServoLine& line) {
+  return {
+      .fd = line.descriptor(), .events = static_cast<short>(POLLIN | (line.has_waiting() ? POLLOUT : 0)), .revents = 0};
+}
+
+void LoopedServo::step(std::int64_t now_ns) {
+  for (const ServoFrame& frame : line_.read()) {
+    servo_.receive(frame, now_ns);
+  }
+  servo_.tick(now_ns);
+  for (const ServoFrame& frame : servo_.take_output()) {
+    line_.write(frame);
   }
 }
 

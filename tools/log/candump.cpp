@@ -1,11 +1,10 @@
 #include "tools/log/candump.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 
+#include "drivers/io/candump_text.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/line_reader.hpp"
 
@@ -85,23 +84,8 @@ bool read_data(std::string_view text, CanFrame& frame) {
 }  // namespace
 
 std::string candump_line(const RecordedCanFrame& recorded) {
-  const CanFrame& frame = recorded.frame;
-  std::string line = fmt::format("({:010}.{:06}) {} ", recorded.stamp_us / 1'000'000, recorded.stamp_us % 1'000'000,
-                                 recorded.interface);
-  if (frame.is_error()) {
-    line += fmt::format("{:08X}#", frame.id & (CanFrame::kErrorFlag | CanFrame::kErrorMask));
-  } else if ((frame.id & CanFrame::kExtendedFlag) != 0) {
-    line += fmt::format("{:08X}#", frame.id & CanFrame::kErrorMask);
-  } else {
-    line += fmt::format("{:03X}#", frame.id & kStandardIdMax);
-  }
-  if ((frame.id & CanFrame::kRemoteFlag) != 0) {
-    return line + (frame.size_bytes == 0 ? std::string("R") : fmt::format("R{}", frame.size_bytes));
-  }
-  for (std::size_t i = 0; i < frame.size_bytes; ++i) {
-    line += fmt::format("{:02X}", frame.data[i]);
-  }
-  return line;
+  std::array<char, kCandumpTextMax> line{};
+  return std::string(candump_text(recorded.stamp_us, recorded.interface, recorded.frame, line));
 }
 
 std::optional<RecordedCanFrame> parse_candump_line(std::string_view line) {

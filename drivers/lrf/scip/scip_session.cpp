@@ -1,7 +1,5 @@
 #include "drivers/lrf/scip/scip_session.hpp"
 
-#include <algorithm>
-
 namespace odoless {
 namespace {
 
@@ -23,49 +21,24 @@ bool is_malfunction(scip::Status device_status) {
 }  // namespace
 
 ScipSession::ScipSession(const LrfParams& params, int beams_max)
-    : reader_(reply_bytes_max(beams_max), reply_lines_max(beams_max)),
-      stream_(params, beams_max),
-      bring_up_(params, stream_),
-      stall_timeout_ns_(params.stall_timeout_ns) {}
+    : StreamingSession(params, beams_max), reader_(reply_bytes_max(beams_max), reply_lines_max(beams_max)) {}
 
-void ScipSession::start_over(std::int64_t now_ns, bool with_reset) {
-  counters_.restarts += was_reset_ ? 1 : 0;
-  was_reset_ = true;
+void ScipSession::forget_received() {
   reader_.clear();
   reader_.expect_stream({});
-  bring_up_.start(now_ns, with_reset);
 }
 
-void ScipSession::reset(std::int64_t now_ns) { start_over(now_ns, false); }
-
 std::span<const std::byte> ScipSession::transmit() {
-  const std::string_view request = bring_up_.take_request();
+  const std::string_view request = bring_up().take_request();
   return std::as_bytes(std::span(request.data(), request.size()));
 }
 
-std::int64_t ScipSession::next_deadline_ns() const {
-  return ready() ? last_scan_ns_ + std::max(stall_timeout_ns_, 3 * geometry().period_ns) : bring_up_.deadline_ns();
-}
-
-void ScipSession::tick(std::int64_t now_ns, LrfSink& sink) {
-  if (now_ns < next_deadline_ns()) {
-    return;
-  }
-  if (ready()) {
-    sink.on_event({.type = LrfEventType::kLost, .reason = Errc::kDeviceSilent});
-    start_over(now_ns, false);
-  } else {
-    bring_up_.on_deadline(now_ns, sink);
-    reader_.clear();
-  }
-}
-
 void ScipSession::receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, LrfSink& sink) {
-  counters_.bytes += bytes.size();
+  counts().bytes += bytes.size();
   std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   while (!rest.empty()) {
-    if (bring_up_.ignores_bytes()) {
-      bring_up_.on_ignored_bytes(arrival_ns);
+    if (bring_up().ignores_bytes()) {
+      bring_up().on_ignored_bytes(arrival_ns);
       return;
     }
     switch (reader_.take(rest)) {
@@ -75,7 +48,7 @@ void ScipSession::receive(std::span<const std::byte> bytes, std::int64_t arrival
         on_reply(arrival_ns, sink);
         break;
       case scip::ReplyReader::Outcome::kCut:
-        ++counters_.resyncs;
+        ++counts().resyncs;
         reject(Errc::kFrameTruncated, sink);
         break;
     }
@@ -87,26 +60,21 @@ void ScipSession::on_reply(std::int64_t arrival_ns, LrfSink& sink) {
     on_stream_reply(reader_.reply(), arrival_ns, sink);
     return;
   }
-  bring_up_.on_reply(reader_.reply(), arrival_ns, sink);
-  counters_.device_errors = stream_device_errors_ + bring_up_.device_errors();
+  bring_up().on_reply(reader_.reply(), arrival_ns, sink);
+  count_device_errors();
   if (ready()) {
-    last_scan_ns_ = arrival_ns;
-    reader_.expect_stream(stream_.echo());
-    sink.on_event({.type = LrfEventType::kReady});
-  } else if (bring_up_.ignores_bytes()) {
+    reader_.expect_stream(stream().echo());
+    on_ready(arrival_ns, sink);
+  } else if (bring_up().ignores_bytes()) {
     reader_.clear();
   }
 }
 
 void ScipSession::on_stream_reply(const scip::Reply& reply, std::int64_t arrival_ns, LrfSink& sink) {
-  const Result<LrfScan> scan = stream_.scan(reply, arrival_ns);
-  counters_.clock_resets = stream_.clock_resets();
+  const Result<LrfScan> scan = stream().scan(reply, arrival_ns);
+  counts().clock_resets = stream().clock_resets();
   if (scan.ok()) {
-    ++counters_.scans;
-    counters_.identical_run = stream_.identical_run();
-    counters_.identical += counters_.identical_run > 0 ? 1 : 0;
-    last_scan_ns_ = arrival_ns;
-    sink.on_scan(scan.value());
+    pass_on(scan.value(), sink);
   } else if (scan.error() == Errc::kDeviceStatus && reply.lines() == 2) {
     on_device_status(scip::status_of(reply).value(), arrival_ns, sink);
   } else {
@@ -118,9 +86,7 @@ void ScipSession::on_device_status(scip::Status device_status, std::int64_t now_
   if (device_status == status("00")) {
     return;  // the answer to a request that was sent twice
   }
-  ++stream_device_errors_;
-  counters_.device_errors = stream_device_errors_ + bring_up_.device_errors();
-  sink.on_event({.type = LrfEventType::kDeviceError, .reason = Errc::kDeviceStatus, .device_status = device_status});
+  tell_device_error(device_status, sink);
   if (device_status != status("98")) {  // 98: it has checked itself and goes on
     start_over(now_ns, is_malfunction(device_status));
   }
@@ -128,11 +94,11 @@ void ScipSession::on_device_status(scip::Status device_status, std::int64_t now_
 
 void ScipSession::reject(Errc reason, LrfSink& sink) {
   if (reason != Errc::kWrongEcho) {
-    counters_.reject(reason, sink);
+    counts().reject(reason, sink);
     return;
   }
-  ++counters_.rejected;
-  ++counters_.resyncs;
+  ++counts().rejected;
+  ++counts().resyncs;
   sink.on_event({.type = LrfEventType::kResync, .reason = reason});
 }
 

@@ -1,7 +1,5 @@
 #include "drivers/lrf/sick/sick_session.hpp"
 
-#include <algorithm>
-
 namespace odoless {
 namespace {
 
@@ -14,51 +12,26 @@ constexpr int kFatal = 4;
 }  // namespace
 
 SickSession::SickSession(const LrfParams& params, int beams_max)
-    : reader_(kPayloadMaxBytes),
-      stream_(params, beams_max),
-      bring_up_(params, stream_),
-      stall_timeout_ns_(params.stall_timeout_ns) {}
+    : StreamingSession(params, beams_max), reader_(kPayloadMaxBytes) {}
 
-void SickSession::start_over(std::int64_t now_ns, bool with_reset) {
-  counters_.restarts += was_reset_ ? 1 : 0;
-  was_reset_ = true;
+void SickSession::forget_received() {
   reader_.clear();
   reader_.expect_stream(0);
-  bring_up_.start(now_ns, with_reset);
-}
-
-void SickSession::reset(std::int64_t now_ns) { start_over(now_ns, false); }
-
-std::int64_t SickSession::next_deadline_ns() const {
-  return ready() ? last_scan_ns_ + std::max(stall_timeout_ns_, 3 * geometry().period_ns) : bring_up_.deadline_ns();
-}
-
-void SickSession::tick(std::int64_t now_ns, LrfSink& sink) {
-  if (now_ns < next_deadline_ns()) {
-    return;
-  }
-  if (ready()) {
-    sink.on_event({.type = LrfEventType::kLost, .reason = Errc::kDeviceSilent});
-    start_over(now_ns, false);
-  } else {
-    bring_up_.on_deadline(now_ns, sink);
-    reader_.clear();
-  }
 }
 
 void SickSession::receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, LrfSink& sink) {
   using Outcome = sick::TelegramReader::Outcome;
-  counters_.bytes += bytes.size();
+  counts().bytes += bytes.size();
   for (Outcome outcome = reader_.take(bytes); outcome != Outcome::kMore; outcome = reader_.take(bytes)) {
     if (outcome == Outcome::kTelegram) {
       on_telegram(arrival_ns, sink);
     } else if (outcome == Outcome::kNotUnderstood && !ready()) {
-      bring_up_.on_nak(arrival_ns);
+      bring_up().on_nak(arrival_ns);
     } else if (ready() && outcome == Outcome::kWrongSum) {
-      ++counters_.resyncs;
-      counters_.reject(Errc::kWrongSum, sink);
+      ++counts().resyncs;
+      counts().reject(Errc::kWrongSum, sink);
     } else if (ready() && outcome == Outcome::kSkipped) {
-      ++counters_.resyncs;
+      ++counts().resyncs;
       sink.on_event({.type = LrfEventType::kResync, .reason = Errc::kFrameMalformed});
     }
   }
@@ -69,13 +42,12 @@ void SickSession::on_telegram(std::int64_t arrival_ns, LrfSink& sink) {
     on_stream_telegram(reader_.telegram(), arrival_ns, sink);
     return;
   }
-  bring_up_.on_telegram(reader_.telegram(), arrival_ns, sink);
-  counters_.device_errors = stream_device_errors_ + bring_up_.device_errors();
+  bring_up().on_telegram(reader_.telegram(), arrival_ns, sink);
+  count_device_errors();
   if (ready()) {
-    last_scan_ns_ = arrival_ns;
     last_severity_ = 0;
-    reader_.expect_stream(stream_.variant().payload_bytes());
-    sink.on_event({.type = LrfEventType::kReady});
+    reader_.expect_stream(stream().variant().payload_bytes());
+    on_ready(arrival_ns, sink);
   }
 }
 
@@ -87,16 +59,12 @@ void SickSession::on_stream_telegram(const sick::Telegram& telegram, std::int64_
     }
     return;  // the answer to a request that was sent twice
   }
-  const Result<LrfScan> scan = stream_.scan(telegram, arrival_ns);
+  const Result<LrfScan> scan = stream().scan(telegram, arrival_ns);
   if (!scan.ok()) {
-    counters_.reject(scan.error(), sink);
+    counts().reject(scan.error(), sink);
     return;
   }
-  ++counters_.scans;
-  counters_.identical_run = stream_.identical_run();
-  counters_.identical += counters_.identical_run > 0 ? 1 : 0;
-  last_scan_ns_ = arrival_ns;
-  sink.on_scan(scan.value());
+  pass_on(scan.value(), sink);
   on_status(telegram.status(), arrival_ns, sink);
 }
 
@@ -107,9 +75,7 @@ void SickSession::on_status(int device_status, std::int64_t now_ns, LrfSink& sin
   if (severity < kError || !is_news) {
     return;
   }
-  ++stream_device_errors_;
-  counters_.device_errors = stream_device_errors_ + bring_up_.device_errors();
-  sink.on_event({.type = LrfEventType::kDeviceError, .reason = Errc::kDeviceStatus, .device_status = device_status});
+  tell_device_error(device_status, sink);
   if (severity >= kFatal) {
     start_over(now_ns, true);
   }

@@ -19,7 +19,7 @@ constexpr int kVelocityBytes = 4;
 void Cia402Session::receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, TiltSink& sink) {
   const std::optional<CanFrame> frame = to_can_frame(bytes);
   if (!frame) {
-    reject(Errc::kFrameMalformed, sink);
+    counters_.reject(Errc::kFrameMalformed, sink);
     return;
   }
   ++counters_.frames;
@@ -46,7 +46,7 @@ void Cia402Session::receive(std::span<const std::byte> bytes, std::int64_t arriv
     if (reply.ok()) {
       on_sdo(sdo_.on_reply(reply.value()), arrival_ns, sink);
     } else {
-      reject(reply.error(), sink);
+      counters_.reject(reply.error(), sink);
     }
   }
 }
@@ -67,18 +67,18 @@ void Cia402Session::on_bus_error(const CanFrame& frame, std::int64_t now_ns, Til
 void Cia402Session::on_emergency(const CanFrame& frame, std::int64_t now_ns, TiltSink& sink) {
   const Result<canopen::Emergency> emergency = canopen::emergency(frame);
   if (!emergency.ok()) {
-    reject(emergency.error(), sink);
+    counters_.reject(emergency.error(), sink);
   } else if (emergency.value().code != 0) {
     last_emergency_ns_ = now_ns;
     drive_.forget_target();
-    tell_device_error(emergency.value().code, sink);
+    counters_.tell_device_error(emergency.value().code, sink);
   }
 }
 
 void Cia402Session::on_heartbeat(const CanFrame& frame, std::int64_t now_ns, TiltSink& sink) {
   const Result<NodeState> state = canopen::heartbeat_state(frame);
   if (!state.ok()) {
-    reject(state.error(), sink);
+    counters_.reject(state.error(), sink);
     return;
   }
   heard_heartbeat_ns_ = now_ns;
@@ -96,7 +96,7 @@ void Cia402Session::on_heartbeat(const CanFrame& frame, std::int64_t now_ns, Til
 
 void Cia402Session::on_velocity(const CanFrame& frame, TiltSink& sink) {
   if (frame.size_bytes != kVelocityBytes) {
-    reject(Errc::kFrameMalformed, sink);
+    counters_.reject(Errc::kFrameMalformed, sink);
     return;
   }
   const auto speed_units = static_cast<std::int32_t>(canopen::get(frame, 0, 4));
@@ -109,7 +109,7 @@ void Cia402Session::on_status(const CanFrame& frame, std::int64_t arrival_ns, Ti
   }
   const auto status_word = static_cast<std::uint16_t>(canopen::get(frame, 0, 2));
   if (frame.size_bytes != kStatusBytes || !cia402::power_state(status_word)) {
-    reject(Errc::kFrameMalformed, sink);
+    counters_.reject(Errc::kFrameMalformed, sink);
     return;
   }
   unanswered_syncs_ = 0;
@@ -130,11 +130,11 @@ void Cia402Session::pass_on(double angle_rad, std::int64_t arrival_ns, TiltSink&
                     .angle_rad = angle_rad,
                     .velocity_radps = velocity_radps_};
   if (sample.stamp_ns <= last_stamp_ns_) {
-    reject(Errc::kImplausibleStamp, sink);  // a frame twice, or two for one SYNC
+    counters_.reject(Errc::kImplausibleStamp, sink);  // a frame twice, or two for one SYNC
     return;
   }
   if (!gate_.passes(sample.stamp_ns, angle_rad)) {
-    reject(Errc::kImplausibleAngle, sink);
+    counters_.reject(Errc::kImplausibleAngle, sink);
     return;
   }
   last_stamp_ns_ = sample.stamp_ns;

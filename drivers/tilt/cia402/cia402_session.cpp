@@ -46,6 +46,9 @@ void Cia402Session::reset(std::int64_t now_ns) {
 }
 
 void Cia402Session::command(TiltCommand command, std::int64_t now_ns) {
+  if (command == motion_.command()) {
+    return;
+  }
   motion_.command(command, now_ns);
   not_enabled_since_ns_ = now_ns;
   if (command == TiltCommand::kStop && is_cyclic()) {
@@ -132,17 +135,6 @@ void Cia402Session::give_up(Errc reason, std::int64_t now_ns, TiltSink& sink) {
   }
 }
 
-void Cia402Session::reject(Errc reason, TiltSink& sink) {
-  ++counters_.rejected;
-  counters_.implausible += reason == Errc::kImplausibleAngle ? 1 : 0;
-  sink.on_event({.type = TiltEventType::kRejected, .reason = reason});
-}
-
-void Cia402Session::tell_device_error(std::int64_t code, TiltSink& sink) {
-  ++counters_.device_errors;
-  sink.on_event({.type = TiltEventType::kDeviceError, .reason = Errc::kDeviceStatus, .code = code});
-}
-
 void Cia402Session::next_setting(std::int64_t now_ns) {
   const auto settings = set_up_.settings();
   if (setting_ == settings.size()) {
@@ -157,7 +149,7 @@ void Cia402Session::on_found(std::int64_t now_ns, TiltSink& sink) {
   if ((sdo_.value() & 0xFFFFU) == kDriveProfile) {
     enter(Phase::kSetUp, now_ns);
   } else {
-    tell_device_error(sdo_.value(), sink);
+    counters_.tell_device_error(sdo_.value(), sink);
     give_up(Errc::kWrongDevice, now_ns, sink);
   }
 }
@@ -170,14 +162,14 @@ void Cia402Session::on_sdo(SdoClient::Outcome outcome, std::int64_t now_ns, Tilt
     return;
   }
   if (phase_ == Phase::kRun) {  // the code of a fault was asked for
-    tell_device_error(outcome == SdoClient::Outcome::kDone ? sdo_.value() : -1, sink);
+    counters_.tell_device_error(outcome == SdoClient::Outcome::kDone ? sdo_.value() : -1, sink);
     return;
   }
   const bool tolerated =
       aborted && phase_ == Phase::kSetUp && cia402::SetUp::tolerates(set_up_.settings()[setting_], sdo_.value());
   if (outcome != SdoClient::Outcome::kDone && !tolerated) {
     if (aborted) {
-      tell_device_error(sdo_.value(), sink);
+      counters_.tell_device_error(sdo_.value(), sink);
     }
     give_up(aborted ? Errc::kDeviceStatus : Errc::kDeviceSilent, now_ns, sink);
     return;
@@ -246,7 +238,7 @@ void Cia402Session::watch(std::int64_t now_ns, TiltSink& sink) {
     give_up(Errc::kDeviceSilent, now_ns, sink);
   } else if (phase_ == Phase::kRun && motion_.command() != TiltCommand::kStop && !in_fault_ && !drive_.enabled() &&
              now_ns - not_enabled_since_ns_ >= kSwitchOnNs) {
-    tell_device_error(drive_.status_word(), sink);
+    counters_.tell_device_error(drive_.status_word(), sink);
     give_up(Errc::kDeviceStatus, now_ns, sink);
   }
 }
@@ -262,7 +254,7 @@ void Cia402Session::advance(std::int64_t now_ns, TiltSink& sink) {
       homed_ = true;
       enter(Phase::kProfileMode, now_ns);
     } else if (motion_.command() != TiltCommand::kStop && (homing == HomingState::kFailed || now_ns >= phase_end_ns_)) {
-      tell_device_error(drive_.status_word(), sink);
+      counters_.tell_device_error(drive_.status_word(), sink);
       give_up(Errc::kHomingFailed, now_ns, sink);
     }
   }

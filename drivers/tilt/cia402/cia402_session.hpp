@@ -45,8 +45,6 @@ class Cia402Session final : public TiltSession {
   void send_sdo();
   void enter(Phase phase, std::int64_t now_ns);
   void give_up(Errc reason, std::int64_t now_ns, TiltSink& sink);
-  void reject(Errc reason, TiltSink& sink);
-  void tell_device_error(std::int64_t code, TiltSink& sink);
 
   void on_bus_error(const CanFrame& frame, std::int64_t now_ns, TiltSink& sink);
   void on_emergency(const CanFrame& frame, std::int64_t now_ns, TiltSink& sink);

@@ -24,7 +24,7 @@ void DynamixelSession::receive(std::span<const std::byte> bytes, std::int64_t ar
       case PacketReader::Outcome::kMore:
         return;
       case PacketReader::Outcome::kBad:
-        reject(reader_.error(), sink);
+        counters_.reject(reader_.error(), sink);
         break;
       case PacketReader::Outcome::kPacket:
         ++counters_.frames;
@@ -40,25 +40,25 @@ void DynamixelSession::on_packet(std::int64_t arrival_ns, TiltSink& sink) {
     const bool is_own = std::ranges::equal(reader_.raw(), request_.span());
     counters_.echoes += is_own ? 1 : 0;
     if (!is_own) {
-      reject(Errc::kWrongEcho, sink);
+      counters_.reject(Errc::kWrongEcho, sink);
     }
     return;
   }
   const bool is_wanted = busy_ && packet.id == params_.id;
   const bool is_refusal = (packet.error() & dynamixel::kErrorNumber) != 0;
   if (!is_wanted || (packet.size != answer_bytes_ + 1 && !is_refusal)) {
-    reject(is_wanted ? Errc::kWrongCount : Errc::kWrongEcho, sink);
+    counters_.reject(is_wanted ? Errc::kWrongCount : Errc::kWrongEcho, sink);
     return;
   }
   if ((packet.error() & dynamixel::kErrorNumber) == dynamixel::kCrcError) {
-    reject(Errc::kWrongSum, sink);  // what was asked got damaged on its way
+    counters_.reject(Errc::kWrongSum, sink);  // what was asked got damaged on its way
     on_timeout(arrival_ns, sink);
     return;
   }
   tries_ = 0;
   busy_ = false;
   if (is_refusal) {
-    tell_device_error(packet.error(), sink);
+    counters_.tell_device_error(packet.error(), sink);
     give_up(Errc::kDeviceStatus, kPauseNs, arrival_ns, sink);
     return;
   }
@@ -107,7 +107,7 @@ void DynamixelSession::on_health(const Packet& packet, std::int64_t now_ns, Tilt
   const bool has_torque = packet.get(dynamixel::kTorqueEnable - dynamixel::kHealthFirst, 1) != 0;
   health_is_due_ = false;
   if (hardware_error != 0) {
-    tell_device_error(hardware_error, sink);
+    counters_.tell_device_error(hardware_error, sink);
     give_up(Errc::kDeviceStatus, fault_pause_ns_, now_ns, sink);
     fault_pause_ns_ = std::min(2 * fault_pause_ns_, kFaultPauseMaxNs);
     has_error_ = reboot_is_due_ = true;
@@ -147,7 +147,7 @@ void DynamixelSession::on_motion(const Packet& packet, std::int64_t arrival_ns, 
       .angle_rad = scale_.angle_rad(position),
       .velocity_radps = (params_.inverted ? -1.0 : 1.0) * raw_velocity * dynamixel::kSpeedUnitRadps};
   if (sample.stamp_ns <= last_stamp_ns_ || !gate_.passes(sample.stamp_ns, sample.angle_rad)) {
-    reject(sample.stamp_ns <= last_stamp_ns_ ? Errc::kImplausibleStamp : Errc::kImplausibleAngle, sink);
+    counters_.reject(sample.stamp_ns <= last_stamp_ns_ ? Errc::kImplausibleStamp : Errc::kImplausibleAngle, sink);
     go_on(arrival_ns);
     return;
   }

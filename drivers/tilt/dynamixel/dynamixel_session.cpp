@@ -201,19 +201,6 @@ void DynamixelSession::give_up(Errc reason, std::int64_t pause_ns, std::int64_t 
   enter(Step::kPause, now_ns);
 }
 
-void DynamixelSession::reject(Errc reason, TiltSink& sink) {
-  ++counters_.rejected;
-  counters_.wrong_sums += reason == Errc::kWrongSum ? 1 : 0;
-  counters_.wrong_echoes += reason == Errc::kWrongEcho ? 1 : 0;
-  counters_.implausible += reason == Errc::kImplausibleAngle ? 1 : 0;
-  sink.on_event({.type = TiltEventType::kRejected, .reason = reason});
-}
-
-void DynamixelSession::tell_device_error(std::int64_t code, TiltSink& sink) {
-  ++counters_.device_errors;
-  sink.on_event({.type = TiltEventType::kDeviceError, .reason = Errc::kDeviceStatus, .code = code});
-}
-
 std::span<const std::byte> DynamixelSession::transmit() {
   return std::exchange(to_be_sent_, false) && busy_ ? std::as_bytes(request_.span()) : std::span<const std::byte>();
 }

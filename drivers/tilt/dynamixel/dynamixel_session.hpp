@@ -83,8 +83,6 @@ class DynamixelSession final : public TiltSession {
   void watch(std::int64_t now_ns, TiltSink& sink);
 
   void give_up(Errc reason, std::int64_t pause_ns, std::int64_t now_ns, TiltSink& sink);
-  void reject(Errc reason, TiltSink& sink);
-  void tell_device_error(std::int64_t code, TiltSink& sink);
   [[nodiscard]] bool runs() const { return step_ >= Step::kRun && step_ < Step::kPause; }
 
   TiltParams params_;

@@ -1,4 +1,4 @@
-/* What drivers/io/gpio_line_v2.cpp uses of libgpiod 2's interface, declared alone: Debian 12 doesn't have it, and the
+/* What drivers/io/gpio_handle_v2.hpp uses of libgpiod 2's interface, declared alone: Debian 12 doesn't have it, and the
    file shall still compile. See https://libgpiod.readthedocs.io (version 2.0). */
 #pragma once
 

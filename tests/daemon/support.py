@@ -1,0 +1,106 @@
+"""What tests of the daemon share: the daemon, emulated devices and `odoless ctl`, as on a robot."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROGRAMS, SOURCES = sys.argv[1:3]
+WORLD = os.path.join(SOURCES, "tools", "worlds", "rooms.world")
+
+
+def program(name, *arguments):
+    return [os.path.join(PROGRAMS, name), *map(str, arguments)]
+
+
+def run(*command, timeout=120):
+    return subprocess.run(program(*command), capture_output=True, text=True, timeout=timeout, check=False)
+
+
+class DaemonCase(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.config = self.write_config("robot.toml")
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def write_config(self, name, more="", device=None, lrf=""):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(
+                f'[lrf]\ndevice = "{device or self.path("laser")}"\n{lrf}[lcm]\nurl = ""\n'
+                f'[control]\nsocket = "{self.path("control")}"\n{more}'
+            )
+        return self.path(name)
+
+    def start(self, *command, stdout=subprocess.DEVNULL):
+        process = subprocess.Popen(program(*command), stdout=stdout, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.end, process)
+        return process
+
+    @staticmethod
+    def end(process):
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+    def start_laser(self, *more):
+        laser = self.start("odoless", "emulate", "lrf", "--from", WORLD, "--pty", self.path("laser"), *more)
+        self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
+        return laser
+
+    def start_daemon(self, *more):
+        return self.start("odolessd", "--config", self.config, "--out", self.path("out"), *more)
+
+    def start_servo(self, *more):
+        servo = self.start("odoless", "emulate", "servo", "--dynamixel", "--pty", self.path("servo"), *more)
+        self.wait_until(lambda: os.path.lexists(self.path("servo")), 10)
+        return servo
+
+    def use_servo(self, more=""):
+        # Patience for a busy machine: the kernel lets a poll of a terminal wait for the worker that carries its bytes.
+        tilt = f'[pipeline]\nwatchdog_ms = 5000.0\n[tilt]\ndriver = "dynamixel"\ndevice = "{self.path("servo")}"\nbaud = 0\n'
+        tilt += "reply_timeout_ms = 200.0\nstall_timeout_ms = 500.0\nheartbeat_period_ms = 500.0\n"
+        self.config = self.write_config("tilting.toml", tilt + more)
+
+    def servo_obeys(self):
+        state = self.state()
+        return bool(state) and "servo does not obey" not in state
+
+    def wait_until(self, holds, seconds, pause_s=0.01):
+        end = time.monotonic() + seconds
+        while not holds():
+            if time.monotonic() >= end:
+                self.fail(f"did not happen in time; the daemon says: {self.state()}")
+            time.sleep(pause_s)
+        return seconds - (end - time.monotonic())
+
+    def ctl(self, *command):
+        return run("odoless", "ctl", "--socket", self.path("control"), *command)
+
+    def answer(self, command):
+        """As odoless ctl, but without the time that a program takes to start."""
+        with socket.socket(socket.AF_UNIX) as client:
+            client.connect(self.path("control"))
+            client.sendall(command.encode() + b"\n")
+            return client.makefile().read()
+
+    def answer_s(self):
+        """How long a question takes, which is not the daemon's time to notice."""
+        begin = time.monotonic()
+        for _ in range(3):
+            self.answer("status")
+        return time.monotonic() - begin
+
+    def state(self):
+        return self.ctl("status").stdout.split("\n")[0]
+
+    def summary(self):
+        with open(self.path("out/summary.json"), encoding="utf-8") as file:
+            return json.load(file)

@@ -1,0 +1,275 @@
+// What `odoless emulate robot` and `gpio` are made of, without lines: recorded bytes played again, and a robot's wires.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bot_core/raw_t.hpp>
+#include <limits>
+
+#include "drivers/io/candump_text.hpp"
+#include "firmware/lcm/channels.hpp"
+#include "firmware/lcm/log_writer.hpp"
+#include "tests/support/run_command.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/tools/servo_support.hpp"
+#include "tools/command/error.hpp"
+#include "tools/emulate/emulated_gpio.hpp"
+#include "tools/emulate/raw_player.hpp"
+
+namespace odoless {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+
+RawPiece sent(std::int64_t time_ms, const char* bytes) { return {time_ms * 1000, true, bytes}; }
+RawPiece heard(std::int64_t time_ms, const char* bytes) { return {time_ms * 1000, false, bytes}; }
+
+TEST(RawPlayer, AnswersACommandAsLongAfterItAsWasRecorded) {
+  RawPlayer player({sent(100, "VV\n"), heard(103, "one"), heard(110, "two"), sent(120, "MD\n"), heard(125, "scan")});
+  EXPECT_EQ(player.next_event_ns(), kNever);
+  player.receive("VV\n", 5000 * kMs);
+  EXPECT_THAT(player.take_due(5002 * kMs), IsEmpty());
+  EXPECT_EQ(player.next_event_ns(), 5003 * kMs);
+  EXPECT_THAT(player.take_due(5003 * kMs), ElementsAre("one"));
+  EXPECT_THAT(player.take_due(5010 * kMs), ElementsAre("two"));
+  EXPECT_FALSE(player.is_over());
+  player.receive("MD\n", 6000 * kMs);
+  EXPECT_THAT(player.take_due(6005 * kMs), ElementsAre("scan"));
+  EXPECT_TRUE(player.is_over());
+  EXPECT_EQ(player.counts().answered, 2);
+  EXPECT_EQ(player.counts().sent, 3);
+}
+
+TEST(RawPlayer, TakesCommandsInPiecesTogetherAndInAnotherOrder) {
+  RawPlayer player({sent(0, "A1\n"), heard(1, "a"), sent(2, "B\n"), heard(3, "b"), sent(4, "A1\n"), heard(5, "c")});
+  player.receive("B", 0);
+  EXPECT_THAT(player.take_due(100 * kMs), IsEmpty());
+  player.receive("\nA1", 200 * kMs);
+  EXPECT_THAT(player.take_due(300 * kMs), ElementsAre("b"));
+  player.receive("\nA1\n", 400 * kMs);
+  EXPECT_THAT(player.take_due(500 * kMs), ElementsAre("a", "c"));
+  EXPECT_TRUE(player.is_over());
+}
+
+TEST(RawPlayer, PassesOverWhatWasNeverRecordedAndRepeatsWhatIsUsedUp) {
+  RawPlayer player({heard(0, "rest"), sent(10, "QT\n"), heard(11, "00P")});
+  player.receive("what?QT\n", 0);
+  EXPECT_EQ(player.counts().unknown, 5);
+  EXPECT_THAT(player.take_due(kMs), ElementsAre("rest", "00P"));
+  EXPECT_TRUE(player.is_over());
+  player.receive("QT\n", 2 * kMs);
+  EXPECT_EQ(player.next_event_ns(), 3 * kMs);
+  EXPECT_THAT(player.take_due(3 * kMs), ElementsAre("00P"));
+  EXPECT_EQ(player.counts().unknown, 5);
+  EXPECT_EQ(player.counts().repeated, 1);
+}
+
+TEST(RawPlayer, AStreamGoesOnForAClientThatStartsAnew) {
+  RawPlayer player({sent(0, "MD\n"), heard(1, "ok"), heard(100, "one"), heard(200, "two")});
+  player.receive("MD\n", 0);
+  EXPECT_THAT(player.take_due(100 * kMs), ElementsAre("ok", "one"));
+  player.receive("MD\n", 110 * kMs);
+  EXPECT_THAT(player.take_due(150 * kMs), ElementsAre("ok"));
+  EXPECT_THAT(player.take_due(200 * kMs), ElementsAre("two"));
+}
+
+TEST(RawPlayer, PassesOverWholeFramesThatAreNotKnown) {
+  RawPlayer player({sent(0, "00AB"), heard(1, "yes")}, 4);
+  player.receive("xx00", 0);  // its end is how the known one begins
+  player.receive("00AB", 0);
+  EXPECT_EQ(player.counts().unknown, 4);
+  EXPECT_THAT(player.take_due(kMs), ElementsAre("yes"));
+}
+
+TEST(RawPlayer, NeverSendsAPieceBeforeAnEarlierOne) {
+  RawPlayer player({sent(0, "A"), heard(50, "first"), sent(51, "B"), heard(52, "second")});
+  player.receive("A", 0);
+  player.receive("B", kMs);  // sooner than it was recorded: its answer is due before that of A
+  EXPECT_THAT(player.take_due(10 * kMs), IsEmpty());
+  EXPECT_THAT(player.take_due(50 * kMs), ElementsAre("first", "second"));
+}
+
+/// A drive and a session on a bus for some seconds, each millisecond; what the session hears, and what both say.
+template <class Receive, class Take>
+std::vector<double> angles_of(const Receive& to_drive, const Take& from_drive, std::vector<RawPiece>* record) {
+  TiltParams params = test::servo_params(TiltDriver::kCia402);
+  params.at_start = TiltCommand::kSweep;
+  const auto session = make_tilt_session(params);
+  test::HeardTilt heard;
+  const auto keep = [&](std::int64_t now_ns, bool to_device, std::span<const std::byte> bytes) {
+    if (record != nullptr) {
+      record->push_back({now_ns / 1000, to_device, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}});
+    }
+  };
+  session->reset(0);
+  for (std::int64_t now_ns = 0; now_ns < 5000 * kMs; now_ns += kMs) {
+    for (const ServoFrame& frame : from_drive(now_ns)) {
+      keep(now_ns, false, frame);
+      session->receive(frame, now_ns, heard);
+    }
+    session->tick(now_ns, heard);
+    for (auto frame = session->transmit(); !frame.empty(); frame = session->transmit()) {
+      keep(now_ns, true, frame);
+      to_drive(frame, now_ns);
+    }
+  }
+  std::vector<double> angles_rad;
+  for (const TiltSample& sample : heard.samples) {
+    angles_rad.push_back(sample.angle_rad);
+  }
+  return angles_rad;
+}
+
+TEST(RawPlayer, ARecordedDriveIsBroughtUpAgainAndGivesTheSameAngles) {
+  const auto drive = test::ServoBench::make_servo(test::servo_params(TiltDriver::kCia402), {});
+  std::vector<RawPiece> record;
+  const std::vector<double> first =
+      angles_of([&](std::span<const std::byte> frame, std::int64_t now_ns) { drive->receive(frame, now_ns); },
+                [&](std::int64_t now_ns) {
+                  drive->tick(now_ns);
+                  return drive->take_output();
+                },
+                &record);
+  RawPlayer player(record, sizeof(CanFrame));
+  const std::vector<double> second = angles_of(
+      [&](std::span<const std::byte> frame, std::int64_t now_ns) {
+        player.receive({reinterpret_cast<const char*>(frame.data()), frame.size()}, now_ns);
+      },
+      [&](std::int64_t now_ns) {
+        std::vector<ServoFrame> frames;
+        for (const std::string& piece : player.take_due(now_ns)) {
+          const auto bytes = std::as_bytes(std::span(piece.data(), piece.size()));
+          frames.emplace_back(bytes.begin(), bytes.end());
+        }
+        return frames;
+      },
+      nullptr);
+  EXPECT_GT(first.size(), 300U);
+  EXPECT_EQ(second, first);
+  EXPECT_EQ(player.counts().unknown, 0);
+  EXPECT_EQ(player.counts().repeated, 0);
+}
+
+/// Records bytes of a device as the daemon does.
+void record(LogWriter& writer, const std::string& channel, std::int64_t stamp_us, std::string_view bytes) {
+  bot_core::raw_t raw{};
+  raw.utime = stamp_us;
+  raw.length = static_cast<std::int32_t>(bytes.size());
+  raw.data.assign(bytes.begin(), bytes.end());
+  std::vector<std::byte> message(static_cast<std::size_t>(raw.getEncodedSize()));
+  ASSERT_GT(raw.encode(message.data(), 0, raw.getEncodedSize()), 0);
+  writer.record(channel, message, stamp_us * 1000);
+}
+
+std::string candump(const CanFrame& frame) {
+  std::array<char, kCandumpTextMax> buffer{};
+  return std::string(candump_text(1'700'000'000'123'456, "can0", frame, buffer)) + '\n';
+}
+
+TEST(RawRecording, TellsTheDevicesApartAndReadsFramesOfCan) {
+  const test::TemporaryFolder folder;
+  const Channels channels("ROBOT7_");
+  const CanFrame command{.id = 0x601, .size_bytes = 2, .data = {0x40, 0}};
+  const CanFrame status{.id = 0x181, .size_bytes = 1, .data = {0x37}};
+  {
+    LogWriter writer({.path = (folder.path() / "run").string()});
+    record(writer, channels.lrf_raw_tx, 10, "VV\n");
+    record(writer, channels.lrf_raw_rx, 20, std::string_view("\0\xff", 2));
+    record(writer, channels.tilt_raw_tx, 30, candump(command));
+    record(writer, channels.tilt_raw_rx, 31, candump({.id = 0x080}));  // the bus's echo
+    record(writer, channels.tilt_raw_rx, 40, candump(status));
+    record(writer, channels.scan, 50, "no raw_t");
+  }
+  const RawRecording recording = read_raw_recording(folder.path() / "run.00000.lcm");
+  ASSERT_EQ(recording.laser.size(), 2U);
+  EXPECT_TRUE(recording.laser[0].to_device);
+  EXPECT_EQ(recording.laser[0].bytes, "VV\n");
+  EXPECT_EQ(recording.laser[1].bytes, std::string("\0\xff", 2));
+  EXPECT_EQ(recording.laser[1].time_us, 20);
+  ASSERT_EQ(recording.servo.size(), 2U);
+  EXPECT_TRUE(recording.servo_is_on_can);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto frame = to_can_frame(std::as_bytes(std::span(recording.servo[i].bytes)));
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(*frame, i == 0 ? command : status);
+  }
+}
+
+// A heartbeat, or a SYNC, between a question and its answer must not become what is answered.
+TEST(RawRecording, PutsEachAnswerOfABusBehindItsQuestion) {
+  const test::TemporaryFolder folder;
+  const Channels channels;
+  {
+    LogWriter writer({.path = (folder.path() / "run").string()});
+    record(writer, channels.tilt_raw_tx, 10, candump({.id = 0x601, .size_bytes = 8}));
+    record(writer, channels.tilt_raw_tx, 11, candump({.id = 0x77F, .size_bytes = 1}));
+    record(writer, channels.tilt_raw_tx, 12, candump({.id = 0x201, .size_bytes = 6}));
+    record(writer, channels.tilt_raw_tx, 13, candump({.id = 0x080}));
+    record(writer, channels.tilt_raw_rx, 14, candump({.id = 0x701, .size_bytes = 1}));
+    record(writer, channels.tilt_raw_rx, 15, candump({.id = 0x581, .size_bytes = 8}));
+    record(writer, channels.tilt_raw_rx, 16, candump({.id = 0x181, .size_bytes = 7}));
+  }
+  std::vector<std::uint32_t> ids;
+  for (const RawPiece& piece : read_raw_recording(folder.path() / "run.00000.lcm").servo) {
+    ids.push_back(to_can_frame(std::as_bytes(std::span(piece.bytes)))->id);
+  }
+  EXPECT_THAT(ids, ElementsAre(0x601, 0x581, 0x080, 0x701, 0x181));
+}
+
+TEST(RawRecording, RefusesALogWithoutBytesOrWithDamagedOnes) {
+  const test::TemporaryFolder folder;
+  EXPECT_THROW(static_cast<void>(read_raw_recording(folder.path() / "none.lcm")), NoInputError);
+  {
+    LogWriter writer({.path = (folder.path() / "run").string()});
+    writer.record("ODOLESS_LRF_RAW_RX", std::as_bytes(std::span("damaged", 7)), 1000);
+  }
+  EXPECT_THROW(static_cast<void>(read_raw_recording(folder.path() / "run.00000.lcm")), DataError);
+}
+
+TEST(EmulatedGpio, PressesTheStopAndGivesPulses) {
+  EmulatedGpio gpio(
+      {parse_fault("stop@0.05:0.01")}, [](std::int64_t i) { return (100 + 25 * i) * kMs; }, 0);
+  std::vector<std::int64_t> rising_ms;
+  std::vector<std::int64_t> pressed_ms;
+  bool was_high = false;
+  for (std::int64_t now_ns = 0; now_ns < 160 * kMs; now_ns = gpio.next_event_ns()) {
+    gpio.tick(now_ns);
+    ASSERT_GT(gpio.next_event_ns(), now_ns);
+    if (gpio.is_high(RobotPin::kSync) && !was_high) {
+      rising_ms.push_back(now_ns / kMs);
+    }
+    was_high = gpio.is_high(RobotPin::kSync);
+    if (!gpio.is_high(RobotPin::kStop)) {
+      pressed_ms.push_back(now_ns / kMs);
+    }
+  }
+  EXPECT_THAT(rising_ms, ElementsAre(100, 125, 150));
+  EXPECT_THAT(pressed_ms, ElementsAre(50));
+  EXPECT_EQ(gpio.pulses(), 3);
+}
+
+TEST(EmulatedGpio, LeavesOutPulsesThatAreLateOrSilenced) {
+  EmulatedGpio gpio(
+      {parse_fault("silence@0.2:0.05")}, [](std::int64_t i) { return 100 * i * kMs; }, 0);
+  gpio.tick(150 * kMs);
+  EXPECT_FALSE(gpio.is_high(RobotPin::kSync)) << "held up: the pulses of 0 and 100 ms are over";
+  gpio.tick(200 * kMs);
+  EXPECT_FALSE(gpio.is_high(RobotPin::kSync));
+  gpio.tick(300 * kMs);
+  EXPECT_TRUE(gpio.is_high(RobotPin::kSync));
+  EXPECT_EQ(gpio.pulses(), 1);
+}
+
+TEST(EmulateRobot, RefusesWhatMakesNoSense) {
+  EXPECT_THAT(test::run({"emulate", "robot", "--pty", "x"}).err, HasSubstr("--from WORLD|LOG"));
+  EXPECT_THAT(test::run({"emulate", "robot", "--from", "x.world"}).err, HasSubstr("--pty, --tcp and --usbip"));
+  EXPECT_EQ(test::run({"emulate", "robot", "--from", "x.world", "--from-raw", "y", "--pty", "z"}).status, 64);
+  EXPECT_THAT(test::run({"emulate", "gpio", "--fault", "garbage@1"}).err, HasSubstr("not of GPIO lines"));
+}
+
+}  // namespace
+}  // namespace odoless
