@@ -69,6 +69,10 @@ class Hslam {
   }
   /// Its path, a pose per scan of all finished segments. May allocate, in `path` alone. Only when idle.
   void write_path(std::vector<StampedPose>& path) const { particles_.paths().write_path(particles_.best(), path); }
+  /// The last of these, oldest first: PathPool::copy_last. Only when idle.
+  [[nodiscard]] int copy_last_poses(std::span<StampedPose> last) const {
+    return particles_.paths().copy_last(particles_.best(), last);
+  }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:

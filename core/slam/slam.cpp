@@ -141,6 +141,24 @@ void Slam::write_path(std::vector<StampedPose>& path) const {
   path.swap(whole);
 }
 
+int Slam::copy_last_poses(std::span<StampedPose> last) const {
+  if (!has_segments()) {
+    return low_.copy_last_poses(low_.best(), last);
+  }
+  const auto unfinished = static_cast<std::size_t>(updates_unfinished_);
+  if (!high_->idle() || last.size() < unfinished) {
+    return 0;
+  }
+  const int finished = high_->copy_last_poses(last.first(last.size() - unfinished));
+  const std::span<StampedPose> rest = last.subspan(static_cast<std::size_t>(finished), unfinished);
+  const int copied = low_.copy_last_poses(low_.best(), rest);
+  const Pose2 map_T_low = this->map_T_low();
+  for (StampedPose& pose : rest.first(static_cast<std::size_t>(copied))) {
+    pose.map_T_scan = map_T_low * pose.map_T_scan;
+  }
+  return finished + copied;
+}
+
 std::size_t Slam::memory_bytes() const {
   std::size_t bytes = sizeof(*this) + low_.memory_bytes() + last_.capacity() * sizeof(StampedPose);
   bytes += high_ ? high_->memory_bytes() : 0;

@@ -62,6 +62,8 @@ class Slam {
   [[nodiscard]] const GridGeometry& map_geometry() const;
   /// One pose per update, as known now. May allocate. Only when HSLAM is idle, as after `finish`.
   void write_path(std::vector<StampedPose>& path) const;
+  /// The last of these poses, oldest first; their number, 0 while HSLAM works. No allocation; linear in the span.
+  [[nodiscard]] int copy_last_poses(std::span<StampedPose> last) const;
 
   [[nodiscard]] const SlamParams& params() const { return params_; }
   /// Of the map that is written.

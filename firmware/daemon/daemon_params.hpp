@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "config/robot_params.hpp"
+#include "core/cloud/mapping_params.hpp"
 #include "drivers/lrf/lrf_params.hpp"
 #include "drivers/tilt/tilt_params.hpp"
 #include "firmware/gpio/gpio_params.hpp"
@@ -28,11 +30,17 @@ struct DaemonParams {
   LrfParams lrf;
   GpioParams gpio;
   TiltParams tilt;
+  MappingParams mapping;
   LcmParams lcm;
   PipelineParams pipeline;
   LogWriterParams recorder;
   HealthParams health;
   ControlParams control;
+
+  /// The 3D map, which takes a tilting laser; none where there is no tilt servo, or it is switched off.
+  [[nodiscard]] std::optional<MappingParams> mapping_in_use() const {
+    return tilt.driver != TiltDriver::kNone && mapping.enabled ? std::optional(mapping) : std::nullopt;
+  }
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -40,6 +48,7 @@ struct DaemonParams {
     visit.group("gpio", self.gpio,
                 "Lines of the machine: emergency stop, sync pulse, the laser's power, status light.");
     visit.group("tilt", self.tilt, "The servo that tilts the laser.");
+    visit.group("mapping", self.mapping, "3D mapping with a laser that a servo tilts.");
     visit.group("lcm", self.lcm, "What is published.");
     visit.group("pipeline", self.pipeline, "Threads, queues and time budgets of the daemon.");
     visit.group("recorder", self.recorder, "The log of all messages.");

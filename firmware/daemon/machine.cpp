@@ -14,7 +14,7 @@ constexpr std::int64_t kSensorBudget_ns = 5'000'000;
 GridGeometry geometry_of(const FilterStage* filter) { return filter != nullptr ? filter->geometry() : GridGeometry{}; }
 
 PublisherParams publisher_params(const DaemonParams& params) {
-  return {params.lcm, params.recorder, params.health, params.lrf.driver};
+  return {params.lcm, params.recorder, params.health, params.lrf.driver, params.mapping_in_use()};
 }
 
 }  // namespace
@@ -50,6 +50,9 @@ Machine::Machine(DaemonOptions& options)
   }
   if (filter_) {
     filter_loop_ = std::make_unique<FilterLoop>(pipeline_, *filter_, params, options.params.lcm.map_refresh_s);
+    if (options.params.mapping_in_use()) {
+      filter_loop_->tell_path();
+    }
   }
   if (!is_replay_) {
     gpio_thread_ = std::make_unique<GpioThread>(options.params.gpio, gpio_signals_, clock_, pipeline_.sensor.wake);

@@ -76,9 +76,10 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
   meter.note("matcher: local map, rasters, population");
   const auto filter = std::make_unique<FilterStage>(params.robot, 1);
   meter.note("filter: particles and their maps");
-  const auto publisher = std::make_unique<Publisher>(PublisherParams{params.lcm, params.recorder, params.health, {}},
-                                                     filter->geometry(), *pipeline, "");
-  meter.note("publisher: the map as published, messages");
+  const auto publisher = std::make_unique<Publisher>(
+      PublisherParams{params.lcm, params.recorder, params.health, {}, params.mapping_in_use()}, filter->geometry(),
+      *pipeline, "");
+  meter.note("publisher: the map as published, the 3D map, messages");
   std::vector<MemoryShare> shares = meter.take();
   shares.push_back({"stacks of the threads",
                     (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes + kOrdinaryStacks_bytes});

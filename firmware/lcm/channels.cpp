@@ -19,6 +19,7 @@ Channels::Channels(std::string_view prefix) {
   health = named("HEALTH");
   lrf_status = named("LRF_STATUS");
   scan_points = named("SCAN_POINTS");
+  cloud = named("CLOUD");
 }
 
 }  // namespace odoless

@@ -30,6 +30,7 @@ struct Channels {
   std::string health;           ///< odoless.health_t
   std::string lrf_status;       ///< bot_core.sensor_status_t
   std::string scan_points;      ///< bot_core.pointcloud_t
+  std::string cloud;            ///< bot_core.pointcloud_t, channel "key"
 
   explicit Channels(std::string_view prefix = "ODOLESS_");
 };

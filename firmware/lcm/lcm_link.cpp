@@ -35,6 +35,7 @@ struct LcmLink::Messages {
     map.mapData.resize(kMessageMaxBytes - kHeaderMaxBytes);
     points.points.assign(kPointsMax, std::vector<float>(3));
     points.seq = -1;
+    reserve_cloud(cloud);
   }
 
   bot_core::planar_lidar_t scan{};
@@ -48,6 +49,7 @@ struct LcmLink::Messages {
   health_t health{};
   bot_core::sensor_status_t lrf_status{};
   bot_core::pointcloud_t points{};
+  bot_core::pointcloud_t cloud{};
 };
 
 LcmLink::LcmLink(const LcmParams& params, std::size_t map_cells_max)
@@ -220,6 +222,11 @@ Errc LcmLink::publish_points(const PoseRecord& pose, const ScanRecord& scan, std
   }
   to_points(pose, scan, ranges_m, messages_->points);
   return send(channels_.scan_points, messages_->points);
+}
+
+Errc LcmLink::publish(const CloudPiece& piece) {
+  to_message(piece, messages_->cloud);
+  return send(channels_.cloud, messages_->cloud);
 }
 
 }  // namespace odoless

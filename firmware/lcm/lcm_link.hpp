@@ -16,6 +16,7 @@
 #include "firmware/lcm/deflater.hpp"
 #include "firmware/lcm/lcm_params.hpp"
 #include "firmware/lcm/map_view.hpp"
+#include "firmware/records/cloud_piece.hpp"
 #include "firmware/records/health.hpp"
 #include "firmware/records/records.hpp"
 
@@ -85,6 +86,8 @@ class LcmLink {
   [[nodiscard]] Errc publish(const MapView& map);
   /// The returns of a scan in the map, if the parameters want them. `pose` is that of the scan.
   [[nodiscard]] Errc publish_points(const PoseRecord& pose, const ScanRecord& scan, std::span<const float> ranges_m);
+  /// A piece of the 3D map of at most kCloudPointsMax points.
+  [[nodiscard]] Errc publish(const CloudPiece& piece);
 
   [[nodiscard]] const LcmCounters& counters() const { return counters_; }
   [[nodiscard]] const Channels& channels() const { return channels_; }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check.hpp"
+
 namespace odoless {
 namespace {
 
@@ -221,6 +223,31 @@ void to_points(const PoseRecord& pose, const ScanRecord& scan, std::span<const f
     point[0] = static_cast<float>(p_map.x_m);
     point[1] = static_cast<float>(p_map.y_m);
     point[2] = 0.0F;
+  }
+}
+
+void reserve_cloud(bot_core::pointcloud_t& message) {
+  message.points.assign(kCloudPointsMax, std::vector<float>(3));
+  message.channel_names = {"key", "edition"};
+  message.n_channels = 2;
+  message.channels.assign(2, std::vector<float>(kCloudPointsMax));
+  message.frame_id = "map";
+  message.seq = -1;
+}
+
+void to_message(const CloudPiece& piece, bot_core::pointcloud_t& message) {
+  ODOLESS_CHECK(piece.points.size() <= static_cast<std::size_t>(kCloudPointsMax));
+  message.utime = utime(piece.stamp_ns);
+  ++message.seq;
+  message.n_points = static_cast<std::int32_t>(piece.points.size());
+  const Pose3 map_T_key = Pose3::of(piece.map_T_key);
+  for (std::size_t i = 0; i < piece.points.size(); ++i) {
+    const Point3 p_map = map_T_key * Point3{piece.points[i].x_m, piece.points[i].y_m, piece.points[i].z_m};
+    message.points[i][0] = static_cast<float>(p_map.x_m);
+    message.points[i][1] = static_cast<float>(p_map.y_m);
+    message.points[i][2] = static_cast<float>(p_map.z_m);
+    message.channels[0][i] = static_cast<float>(piece.key);
+    message.channels[1][i] = static_cast<float>(piece.edition);
   }
 }
 

@@ -17,6 +17,7 @@
 
 #include "core/geometry/pose2.hpp"
 #include "drivers/lrf/lrf_params.hpp"
+#include "firmware/records/cloud_piece.hpp"
 #include "firmware/records/health.hpp"
 #include "firmware/records/records.hpp"
 
@@ -30,6 +31,9 @@ inline constexpr std::size_t kMessageMaxBytes = 60'000;
 
 /// Most points of a pointcloud_t below that size.
 inline constexpr int kPointsMax = 4900;
+
+/// The same with two further figures each.
+inline constexpr int kCloudPointsMax = 2900;
 
 /// Velocity over ground of the laser, axes of the map.
 struct Velocity {
@@ -60,5 +64,11 @@ void to_message(const HealthReport& health, LrfDriver laser, bot_core::sensor_st
 /// on. `message.points` has kPointsMax points of three coordinates, of which the first `n_points` count.
 void to_points(const PoseRecord& pose, const ScanRecord& scan, std::span<const float> ranges_m,
                bot_core::pointcloud_t& message);
+
+/// Points of the 3D map, in the map, at most kCloudPointsMax. Their further figures are "key", the number of the key
+/// pose that they hang on, and "edition", which grows when that key is published anew: a reader then forgets the points
+/// of the editions before. `message` has room as made by `reserve_cloud`.
+void reserve_cloud(bot_core::pointcloud_t& message);
+void to_message(const CloudPiece& piece, bot_core::pointcloud_t& message);
 
 }  // namespace odoless

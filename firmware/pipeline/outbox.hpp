@@ -39,6 +39,8 @@ class Outbox {
     return ring_.reserve(static_cast<std::uint32_t>(type), size_bytes);
   }
   void commit() { ring_.commit(); }
+  /// With only the first `size_bytes` of it.
+  void commit(std::size_t size_bytes) { ring_.commit(size_bytes); }
 
   [[nodiscard]] RecordRing& ring() { return ring_; }
   [[nodiscard]] const RecordRing& ring() const { return ring_; }

@@ -2,6 +2,7 @@
 
 #include "firmware/daemon/log.hpp"
 #include "firmware/health/health_text.hpp"
+#include "firmware/lcm/messages.hpp"
 
 namespace odoless {
 
@@ -12,6 +13,7 @@ Publisher::Publisher(const PublisherParams& params, const GridGeometry& geometry
       recorder_(params.recorder),
       monitor_(params.health),
       map_(geometry),
+      cloud_(params.mapping ? std::make_unique<CloudFeed>(*params.mapping, pipeline.pool.beams_max()) : nullptr),
       poses_(folder),
       wants_link_(!params.lcm.url.empty()),
       overview_ns_(static_cast<std::int64_t>(params.lcm.overview_s * 1e9)) {
@@ -30,6 +32,7 @@ void Publisher::round(std::int64_t now_ns) {
   log_events(pipeline_.sensor.log);
   log_events(pipeline_.matcher.log);
   log_events(pipeline_.filter.log);
+  publish_cloud();
   watch(now_ns);
   publish_overview(now_ns);
   keep_link_open(now_ns);
@@ -61,9 +64,11 @@ void Publisher::take(RecordType type, std::span<const std::byte> bytes) {
       return static_cast<void>(
           link_.publish(record_of<RawBytesRecord>(bytes), elements_of<std::byte, RawBytesRecord>(bytes)));
     case RecordType::kTilt:
-      return static_cast<void>(link_.publish(record_of<TiltRecord>(bytes)));
+      return take_tilt(bytes);
     case RecordType::kMotion:
-      return static_cast<void>(link_.publish(record_of<MotionRecord>(bytes)));
+      return take_motion(bytes);
+    case RecordType::kPath:
+      return cloud_ ? cloud_->correct(elements_of<StampedPose, PathRecord>(bytes)) : void();
     case RecordType::kPose:
       return take_pose(bytes);
     case RecordType::kMapTile:
@@ -77,12 +82,34 @@ void Publisher::take_scan(std::span<const std::byte> bytes) {
   last_scan_ = record_of<ScanRecord>(bytes);
   const std::span<const float> ranges_m = elements_of<float, ScanRecord>(bytes);
   last_ranges_m_.assign(ranges_m.begin(), ranges_m.end());
+  if (cloud_) {
+    cloud_->add(last_scan_, ranges_m);
+  }
   static_cast<void>(link_.publish(last_scan_, ranges_m));
+}
+
+void Publisher::take_tilt(std::span<const std::byte> bytes) {
+  const auto tilt = record_of<TiltRecord>(bytes);
+  if (cloud_) {
+    cloud_->add(tilt);
+  }
+  static_cast<void>(link_.publish(tilt));
+}
+
+void Publisher::take_motion(std::span<const std::byte> bytes) {
+  const auto motion = record_of<MotionRecord>(bytes);
+  if (cloud_) {
+    cloud_->add(motion);
+  }
+  static_cast<void>(link_.publish(motion));
 }
 
 void Publisher::take_pose(std::span<const std::byte> bytes) {
   const auto pose = record_of<PoseRecord>(bytes);
   poses_.add(pose);
+  if (cloud_) {
+    cloud_->add(pose);
+  }
   static_cast<void>(link_.publish(pose));
   if (pose.stamp_ns == last_scan_.stamp_ns) {
     static_cast<void>(link_.publish_points(pose, last_scan_, last_ranges_m_));
@@ -95,6 +122,22 @@ void Publisher::take_tile(std::span<const std::byte> bytes) {
   map_.update(tile, cells);
   map_changed_ = true;
   static_cast<void>(link_.publish(tile, cells));
+}
+
+// A few pieces a round, so that poses don't wait behind them.
+void Publisher::publish_cloud() {
+  constexpr int kPiecesPerRound = 2;
+  if (!cloud_) {
+    return;
+  }
+  cloud_->work();
+  for (int i = 0; i < kPiecesPerRound; ++i) {
+    const CloudPiece piece = cloud_->next_piece(kCloudPointsMax);
+    if (piece.points.empty()) {
+      return;
+    }
+    static_cast<void>(link_.publish(piece));
+  }
 }
 
 void Publisher::watch(std::int64_t now_ns) {

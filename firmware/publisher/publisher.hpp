@@ -3,13 +3,16 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <mutex>
+#include <optional>
 
 #include "core/grid/grid_geometry.hpp"
 #include "firmware/health/health_monitor.hpp"
 #include "firmware/lcm/lcm_link.hpp"
 #include "firmware/lcm/log_writer.hpp"
 #include "firmware/pipeline/pipeline.hpp"
+#include "firmware/publisher/cloud_feed.hpp"
 #include "firmware/publisher/map_store.hpp"
 #include "firmware/publisher/pose_spool.hpp"
 #include "rt/clock.hpp"
@@ -21,6 +24,7 @@ struct PublisherParams {
   LogWriterParams recorder;
   HealthParams health;
   LrfDriver laser = LrfDriver::kLcm;
+  std::optional<MappingParams> mapping{};  ///< none: no 3D map
 };
 
 /// The ordinary thread behind the real-time ones: takes what they say, publishes and records it, keeps map and poses,
@@ -52,7 +56,7 @@ class Publisher {
   [[nodiscard]] std::vector<StampedPose> final_poses(std::span<const StampedPose> path);
 
   [[nodiscard]] const LogWriterCounters& recorder_counters() const { return recorder_.counters(); }
-  [[nodiscard]] std::size_t memory_bytes() const { return map_.memory_bytes(); }
+  [[nodiscard]] std::size_t memory_bytes() const { return map_.memory_bytes() + (cloud_ ? cloud_->memory_bytes() : 0); }
 
  private:
   /// @param before  What is in there was sent earlier and goes first: a motion never overtakes its scan, without which
@@ -60,9 +64,12 @@ class Publisher {
   void drain(Outbox& outbox, Outbox* before = nullptr);
   void take(RecordType type, std::span<const std::byte> bytes);
   void take_scan(std::span<const std::byte> bytes);
+  void take_tilt(std::span<const std::byte> bytes);
+  void take_motion(std::span<const std::byte> bytes);
   void take_pose(std::span<const std::byte> bytes);
   void take_tile(std::span<const std::byte> bytes);
   void watch(std::int64_t now_ns);
+  void publish_cloud();
   void publish_overview(std::int64_t now_ns);
   void keep_link_open(std::int64_t now_ns);
 
@@ -77,6 +84,7 @@ class Publisher {
   Surroundings surroundings_;
   HealthReport health_;
   MapStore map_;
+  std::unique_ptr<CloudFeed> cloud_;  ///< null: there is none
   PoseSpool poses_;
   bool wants_link_;
   std::int64_t next_open_ns_ = 0;

@@ -14,7 +14,7 @@ namespace odoless {
 /// Stamps are those of scans: whole microseconds in nanoseconds, on the monotonic clock with its origin moved once, at
 /// start, to the Unix epoch. LCM's utime is stamp_ns / 1000.
 
-enum class RecordType : std::uint32_t { kScan = 1, kRawBytes, kMotion, kPose, kMapTile, kEvent, kTilt };
+enum class RecordType : std::uint32_t { kScan = 1, kRawBytes, kMotion, kPose, kMapTile, kEvent, kTilt, kPath };
 
 /// A scan as the device gave it. Followed by `beams` floats: range in metres; infinity: no return; 0: nothing is known.
 struct ScanRecord {
@@ -22,6 +22,7 @@ struct ScanRecord {
   double start_angle_rad = 0.0;  ///< exact in single precision, as is the step
   double angle_step_rad = 0.0;
   std::int32_t beams = 0;
+  std::int64_t beam_period_ns = 0;  ///< from beam to beam; 0: unknown
 };
 
 /// Which device's line something was on.
@@ -82,6 +83,12 @@ struct MapTileRecord {
   std::int32_t row = 0;
   std::int32_t size_cells = 0;
   double cell_size_m = 0.0;
+};
+
+/// The best particle's trajectory as known now. Followed by a StampedPose per filter update, oldest first: as many of
+/// the last ones as PathSender sends.
+struct PathRecord {
+  std::int64_t stamp_ns = 0;
 };
 
 }  // namespace odoless

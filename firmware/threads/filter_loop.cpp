@@ -99,6 +99,9 @@ void FilterLoop::publish(const FilterStep& step, const OdometryStep& motion) {
   record.updated = step.updated ? 1 : 0;
   send(pipeline_, pipeline_.filter.outbox, RecordType::kPose, record);
   tiles_.send(pipeline_.filter.outbox, step, record.stamp_ns, motion.to_stamp_ns - motion.from_stamp_ns);
+  if (tells_path_ && step.updated) {
+    path_.send(pipeline_.filter.outbox, stage_.filter(), record.stamp_ns);
+  }
   report_.position_sd_m = std::sqrt(estimate.covariance(0, 0) + estimate.covariance(1, 1));
   report_.yaw_sd_rad = std::sqrt(estimate.covariance(2, 2));
   report_.effective_particles = record.effective_particles;

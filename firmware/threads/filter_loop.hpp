@@ -5,6 +5,7 @@
 #include "firmware/pipeline/pipeline.hpp"
 #include "firmware/pipeline/pipeline_params.hpp"
 #include "firmware/stages/filter_stage.hpp"
+#include "firmware/threads/path_sender.hpp"
 #include "firmware/threads/round.hpp"
 #include "firmware/threads/tile_sweep.hpp"
 
@@ -24,6 +25,9 @@ class FilterLoop {
   /// @param before  Set when no motion will come any more: by the matcher, or by the sensor thread where it receives.
   void run(const std::atomic<bool>& before);
 
+  /// Before `run`: the trajectory is told too.
+  void tell_path() { tells_path_ = true; }
+
  private:
   void process(const MotionMessage& message);
   void obey(const FilterCommand& command);
@@ -37,6 +41,8 @@ class FilterLoop {
   int particles_min_;
   double particles_;  ///< as many as the budget allows
   TileSweep tiles_;
+  PathSender path_;
+  bool tells_path_ = false;
   FilterReport report_;
   StageTimer timer_;
   ThreadMeter meter_;

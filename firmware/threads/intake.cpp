@@ -58,6 +58,7 @@ void Intake::publish(const RawScan& scan) {
   record.start_angle_rad = scan.start_angle_rad;
   record.angle_step_rad = scan.angle_step_rad;
   record.beams = static_cast<std::int32_t>(scan.ranges_m.size());
+  record.beam_period_ns = scan.beam_period_ns;
   ranges_m_.assign(scan.ranges_m.begin(), scan.ranges_m.end());
   for (float& range_m : ranges_m_) {
     const float known_m = range_m > 0.0F ? range_m : 0.0F;  // also of NaN

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "config/config_error.hpp"
+#include "tools/command/cloud.hpp"
 #include "tools/command/ctl.hpp"
 #include "tools/command/emulate.hpp"
 #include "tools/command/error.hpp"
@@ -30,6 +31,7 @@ constexpr int kConfiguration = 78;
 void add_commands(CLI::App& app) {
   add_replay(app);
   add_match(app);
+  add_cloud(app);
   add_info(app);
   add_eval(app);
   add_sim(app);

@@ -3,17 +3,24 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "config/config.hpp"
+#include "core/cloud/tilt_mount.hpp"
+#include "firmware/daemon/daemon_params.hpp"
+#include "tools/command/error.hpp"
 #include "tools/log/log_info.hpp"
+#include "tools/log/tilt_log.hpp"
 
 namespace odoless {
 namespace {
 
 struct InfoOptions {
   std::string log;
+  std::string config;
   bool json = false;
   std::int64_t period_ms = kDefaultPeriodNs / 1'000'000;
 };
@@ -63,7 +70,52 @@ void print_text(const LogInfo& info) {
              info.range_m.max);
 }
 
+void print_mount(const char* name, const MountParams& mount) {
+  fmt::print("{:<9} x {:.3f}, y {:.3f}, z {:.3f} m; roll {:.2f}, pitch {:.2f}, yaw {:.2f} deg\n", name, mount.x_m,
+             mount.y_m, mount.z_m, to_deg(mount.roll_rad), to_deg(mount.pitch_rad), to_deg(mount.yaw_rad));
+}
+
+// The extrinsic calibration, and what follows from it.
+void print_geometry(const TiltMountParams& params) {
+  const TiltMount mount(params);
+  fmt::print("geometry\n");
+  print_mount("axis", params.robot_T_tilt);
+  print_mount("laser", params.tilt_T_laser);
+  fmt::print(
+      "level     the laser is {:.3f} m high, {:.3f} m before and {:.3f} m left of the robot's middle, looks "
+      "{:.2f} deg to the left\n",
+      mount.level_height_m(), mount.robot_T_scan().x_m, mount.robot_T_scan().y_m, to_deg(mount.robot_T_scan().yaw_rad));
+}
+
+void print_tilt_log(const TiltLog& log) {
+  const auto [lowest, highest] =
+      std::minmax_element(log.angles.begin(), log.angles.end(),
+                          [](const ServoAngle& a, const ServoAngle& b) { return a.angle_rad < b.angle_rad; });
+  const double duration_s = static_cast<double>(log.scans.back().stamp_ns - log.scans.front().stamp_ns) * 1e-9;
+  fmt::print("format    tilt CSV\n");
+  fmt::print("scans     {} in {:.1f} s; {} rows without one, {} with one that is not new\n", log.scans.size(),
+             duration_s, log.empty_rows, log.doubled_scans);
+  fmt::print("angles    {}, {:.2f} to {:.2f} deg by the servo\n", log.angles.size(), to_deg(lowest->angle_rad),
+             to_deg(highest->angle_rad));
+  fmt::print("clocks    the servo's stamps are {:.3f} s after the scans' of the same rows\n",
+             static_cast<double>(log.row_offset_ns) * 1e-9);
+}
+
 void run(const InfoOptions& options) {
+  if (!options.config.empty()) {
+    DaemonParams params;
+    load_parameters(options.config, params);
+    print_geometry(params.mapping.mount);
+  }
+  if (options.log.empty()) {
+    if (options.config.empty()) {
+      throw UsageError("neither a LOG nor --config was given; expected one of them");
+    }
+    return;
+  }
+  if (!options.json && is_tilt_log(options.log)) {
+    return print_tilt_log(read_tilt_log(options.log));
+  }
   const LogInfo info = summarise(read_scan_log(options.log, options.period_ms * 1'000'000), options.log);
   if (options.json) {
     fmt::print("{}\n", to_json(info).dump(2));
@@ -77,7 +129,8 @@ void run(const InfoOptions& options) {
 void add_info(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* const command = app.add_subcommand("info", "Say what a recorded log holds");
-  command->add_option("LOG", options->log, "Recorded log: CARMEN, DP-SLAM or CSV, also .gz or .xz")->required();
+  command->add_option("LOG", options->log, "Recorded log: CARMEN, DP-SLAM or CSV, or a tilt log; also .gz or .xz");
+  command->add_option("--config", options->config, "Robot file: print how laser and tilt servo are mounted");
   command->add_option("--period-ms", options->period_ms, "Time between scans of a log without stamps")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();

@@ -6,7 +6,7 @@ class App;
 
 namespace odoless {
 
-/// `odoless info LOG [--json]`: what a recorded log holds.
+/// `odoless info [LOG] [--config C] [--json]`: what a recorded log holds, and how laser and tilt servo are mounted.
 void add_info(CLI::App& app);
 
 }  // namespace odoless

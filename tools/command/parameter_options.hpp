@@ -5,24 +5,29 @@
 #include <numbers>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 #include "core/base/parameters.hpp"
 
 namespace odoless {
 
 /// Makes one command-line option of each parameter that a struct describes, with its default, range and sentence:
-/// `noise_sd_m` becomes --noise-sd-m. Angles are given in degrees: `field_of_view_rad` becomes --field-of-view-deg.
+/// `noise_sd_m` becomes --noise-sd-m. Angles are given in degrees: `field_of_view_rad` becomes --field-of-view-deg,
+/// `speed_radps` --speed-degps.
 ///
 /// The struct must outlive the parsing of the command line, which writes to it option by option, in the order of their
 /// definition.
 class ParameterOptions {
  public:
-  explicit ParameterOptions(CLI::App& command) : command_(command) {}
+  /// @param prefix  Of every name, as "tilt_".
+  explicit ParameterOptions(CLI::App& command, std::string prefix = {})
+      : command_(command), prefix_(std::move(prefix)) {}
 
   template <class T>
   void value(const std::string& name, T& value, Range<std::type_identity_t<T>> range, const char* sentence) {
-    if (name.ends_with("_rad")) {
-      add<T>(name.substr(0, name.size() - 3) + "deg", value, range, sentence, 180.0 / std::numbers::pi);
+    const std::size_t unit = name.rfind("_rad");
+    if (unit != std::string::npos && (name.ends_with("_rad") || name.ends_with("_radps"))) {
+      add<T>(name.substr(0, unit) + "_deg" + name.substr(unit + 4), value, range, sentence, 180.0 / std::numbers::pi);
     } else {
       add<T>(name, value, range, sentence, 1);
     }
@@ -55,12 +60,14 @@ class ParameterOptions {
         ->default_str(CLI::detail::to_string(shown(value)));
   }
 
-  static std::string dashed(std::string name) {
+  [[nodiscard]] std::string dashed(std::string name) const {
+    name.insert(0, prefix_);
     std::replace(name.begin(), name.end(), '_', '-');
     return "--" + name;
   }
 
   CLI::App& command_;
+  std::string prefix_;
 };
 
 }  // namespace odoless

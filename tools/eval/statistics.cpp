@@ -22,6 +22,7 @@ Statistics summarise(std::vector<double> values) {
   result.root_mean_square = std::sqrt(result.root_mean_square);
   result.deviation = std::sqrt(result.deviation);
   result.median = (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2.0;
+  result.percentile_95 = values[(values.size() * 95 + 99) / 100 - 1];
   result.percentile_99 = values[(values.size() * 99 + 99) / 100 - 1];
   result.max = values.back();
   return result;

@@ -12,6 +12,7 @@ struct Statistics {
   double deviation = 0.0;  ///< standard deviation of the set (divisor n)
   double root_mean_square = 0.0;
   double median = 0.0;         ///< mean of the two in the middle when they are even in number
+  double percentile_95 = 0.0;  ///< the smallest number that 95 % do not exceed
   double percentile_99 = 0.0;  ///< the smallest number that 99 % do not exceed
   double max = 0.0;
 };

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/check.hpp"
+#include "tools/output/scale_bar.hpp"
 #include "tools/output/whole_file.hpp"
 
 namespace odoless {
@@ -14,11 +15,10 @@ constexpr double kMarginM = 1.0;
 constexpr double kSideMinM = 8.0;  // room for the bar
 constexpr int kSideMaxPx = 4096;
 constexpr int kSideWantedPx = 800;
-constexpr int kFooterPx = 40;
+constexpr int kFooterPx = kScaleBarHeightPx;
 constexpr int kStartRadiusPx = 6;
 constexpr int kUnknownGrey = 205;
 constexpr Rgb kWhite{255, 255, 255};
-constexpr Rgb kBlack{0, 0, 0};
 
 /// The part of the map to show, in cells of the map; it may reach beyond the map.
 struct Crop {
@@ -140,18 +140,6 @@ void draw_path(const View& view, const ColouredPath& path, Canvas& canvas) {
   }
 }
 
-void draw_scale_bar(const View& view, Canvas& canvas) {
-  constexpr double kLongBarFromM = 40.0;
-  constexpr int kLeftPx = 10;
-  constexpr int kBarPx = 4;
-  const bool is_long = view.width_px() / view.px_per_m() >= kLongBarFromM;
-  const int length_px = static_cast<int>(std::lround((is_long ? 10.0 : 5.0) * view.px_per_m()));
-  const int top_px = canvas.height_px() - kFooterPx;
-  canvas.rectangle({0, top_px}, {canvas.width_px() - 1, canvas.height_px() - 1}, kWhite);
-  canvas.text({kLeftPx, top_px + 6}, is_long ? "10 m" : "5 m", kBlack);
-  canvas.rectangle({kLeftPx, top_px + 26}, {kLeftPx + length_px - 1, top_px + 26 + kBarPx - 1}, kBlack);
-}
-
 }  // namespace
 
 Canvas draw_map(const OccupancyMap& map, std::span<const ColouredPath> paths) {
@@ -162,7 +150,7 @@ Canvas draw_map(const OccupancyMap& map, std::span<const ColouredPath> paths) {
   for (const ColouredPath& path : paths) {
     draw_path(view, path, canvas);
   }
-  draw_scale_bar(view, canvas);
+  draw_scale_bar(view.px_per_m(), canvas);
   return canvas;
 }
 

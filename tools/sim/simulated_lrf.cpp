@@ -48,18 +48,27 @@ double SimulatedLrf::measured_m(double true_m) {
              : range_m;
 }
 
+double SimulatedLrf::beam_period_s() const {
+  return params_.distortion ? angle_step_rad_ / kFullCircleRad / params_.rate_hz : 0.0;
+}
+
 std::span<const double> SimulatedLrf::sweep(const World& world, const Path& path, double time_s) {
-  const double step_s = params_.distortion ? angle_step_rad_ / kFullCircleRad / params_.rate_hz : 0.0;
   Pose2 world_T_scan = path.at(time_s);
+  const auto true_range_m = [&](double beam_time_s, double angle_rad) {
+    if (params_.distortion) {
+      world_T_scan = path.at(beam_time_s);
+    }
+    const double yaw_rad = world_T_scan.yaw_rad + angle_rad;
+    return cast_ray_m(world, beam_time_s, {world_T_scan.x_m, world_T_scan.y_m}, {std::cos(yaw_rad), std::sin(yaw_rad)});
+  };
+  return sweep(true_range_m, time_s);
+}
+
+std::span<const double> SimulatedLrf::sweep(const TrueRange& true_range_m, double time_s) {
   for (std::size_t i = 0; i < ranges_m_.size(); ++i) {
     const auto beam = static_cast<double>(i);
-    const double beam_s = time_s + beam * step_s;
-    if (params_.distortion) {
-      world_T_scan = path.at(beam_s);
-    }
-    const double angle_rad = world_T_scan.yaw_rad + start_angle_rad() + beam * angle_step_rad_;
-    const Point2 origin{world_T_scan.x_m, world_T_scan.y_m};
-    ranges_m_[i] = measured_m(cast_ray_m(world, beam_s, origin, {std::cos(angle_rad), std::sin(angle_rad)}));
+    ranges_m_[i] =
+        measured_m(true_range_m(time_s + beam * beam_period_s(), start_angle_rad() + beam * angle_step_rad_));
   }
   return ranges_m_;
 }

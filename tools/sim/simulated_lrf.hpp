@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -57,6 +58,14 @@ class SimulatedLrf {
   /// The ranges in metres, from the first beam (right) to the last (left), infinity for no return; valid until the
   /// next call. The first beam leaves at `time_s`.
   [[nodiscard]] std::span<const double> sweep(const World& world, const Path& path, double time_s);
+
+  /// Distance to the first surface along a beam that leaves at a time, at an angle in the laser's frame.
+  using TrueRange = std::function<double(double time_s, double angle_rad)>;
+  /// The same of anything that a laser may look at.
+  [[nodiscard]] std::span<const double> sweep(const TrueRange& true_range_m, double time_s);
+
+  /// From beam to beam; 0 without distortion.
+  [[nodiscard]] double beam_period_s() const;
 
  private:
   [[nodiscard]] double measured_m(double true_m);

@@ -11,6 +11,30 @@ Point2 along(const Segment& wall, double share) {
   return {wall.a.x_m + share * (wall.b.x_m - wall.a.x_m), wall.a.y_m + share * (wall.b.y_m - wall.a.y_m)};
 }
 
+struct Shares {
+  double from;
+  double to;
+};
+
+/// Where the wall is nearer than `radius_m` to `centre`, beyond its ends too; nothing where it is nowhere.
+std::optional<Shares> shares_within(const Segment& wall, const Point2& centre, double radius_m) {
+  const double ex_m = wall.b.x_m - wall.a.x_m;
+  const double ey_m = wall.b.y_m - wall.a.y_m;
+  const double wx_m = centre.x_m - wall.a.x_m;
+  const double wy_m = centre.y_m - wall.a.y_m;
+  const double length_m = std::hypot(ex_m, ey_m);
+  const double offset_m = (ex_m * wy_m - ey_m * wx_m) / length_m;
+  if (!(std::abs(offset_m) < radius_m)) {
+    return std::nullopt;
+  }
+  const double middle = (ex_m * wx_m + ey_m * wy_m) / (length_m * length_m);
+  const double half = std::sqrt(radius_m * radius_m - offset_m * offset_m) / length_m;
+  if (middle + half <= 0.0 || middle - half >= 1.0) {
+    return std::nullopt;
+  }
+  return Shares{middle - half, middle + half};
+}
+
 double distance_m(const Point2& a, const Point2& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
 }  // namespace
@@ -44,28 +68,26 @@ Pillar at_time(const Walker& walker, double time_s) {
 }
 
 std::vector<Segment> without_disc(const Segment& wall, const Point2& centre, double radius_m) {
-  const double ex_m = wall.b.x_m - wall.a.x_m;
-  const double ey_m = wall.b.y_m - wall.a.y_m;
-  const double wx_m = centre.x_m - wall.a.x_m;
-  const double wy_m = centre.y_m - wall.a.y_m;
-  const double length_m = std::hypot(ex_m, ey_m);
-  const double offset_m = (ex_m * wy_m - ey_m * wx_m) / length_m;
-  if (!(std::abs(offset_m) < radius_m)) {
-    return {wall};
-  }
-  const double middle = (ex_m * wx_m + ey_m * wy_m) / (length_m * length_m);
-  const double half = std::sqrt(radius_m * radius_m - offset_m * offset_m) / length_m;
-  if (middle + half <= 0.0 || middle - half >= 1.0) {
+  const std::optional<Shares> cut = shares_within(wall, centre, radius_m);
+  if (!cut) {
     return {wall};
   }
   std::vector<Segment> rest;
-  if (middle - half > 0.0) {
-    rest.push_back({wall.a, along(wall, middle - half)});
+  if (cut->from > 0.0) {
+    rest.push_back({wall.a, along(wall, cut->from)});
   }
-  if (middle + half < 1.0) {
-    rest.push_back({along(wall, middle + half), wall.b});
+  if (cut->to < 1.0) {
+    rest.push_back({along(wall, cut->to), wall.b});
   }
   return rest;
+}
+
+std::optional<Segment> within_disc(const Segment& wall, const Point2& centre, double radius_m) {
+  const std::optional<Shares> cut = shares_within(wall, centre, radius_m);
+  if (!cut) {
+    return std::nullopt;
+  }
+  return Segment{cut->from > 0.0 ? along(wall, cut->from) : wall.a, cut->to < 1.0 ? along(wall, cut->to) : wall.b};
 }
 
 }  // namespace odoless

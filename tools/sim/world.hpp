@@ -1,22 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/geometry/pose2.hpp"
+#include "tools/sim/building.hpp"
+#include "tools/sim/world_parts.hpp"
 
 namespace odoless {
-
-/// A straight piece of surface, seen from both sides; world frame.
-struct Segment {
-  Point2 a;
-  Point2 b;
-};
-
-/// A round pillar; world frame.
-struct Pillar {
-  Point2 centre;
-  double radius_m = 0.0;
-};
 
 /// A round body that walks to and fro along its way points, at the first one at time 0; world frame.
 struct Walker {
@@ -33,12 +24,13 @@ struct Waypoint {
   double corner_radius_m = 0.25;  ///< of the arc before the leg to this point; 0: turn on the spot
 };
 
-/// A flat world of surfaces, and the path that a robot takes through it.
+/// A world as a level laser sees it and in space, and the path that a robot takes through it.
 struct World {
   std::vector<Segment> segments{};
   std::vector<Pillar> pillars{};
   std::vector<Waypoint> waypoints{};
   std::vector<Walker> walkers{};
+  Building building{};  ///< the same in space
 };
 
 /// The four sides of a rectangle; its middle and direction are `world_T_rectangle`.
@@ -49,5 +41,8 @@ struct World {
 
 /// What is left of `wall` (0 to 2 pieces) without its part that is nearer to `centre` than `radius_m`.
 [[nodiscard]] std::vector<Segment> without_disc(const Segment& wall, const Point2& centre, double radius_m);
+
+/// The part that this takes away.
+[[nodiscard]] std::optional<Segment> within_disc(const Segment& wall, const Point2& centre, double radius_m);
 
 }  // namespace odoless

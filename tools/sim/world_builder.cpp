@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "tools/command/error.hpp"
 #include "tools/sim/ray_caster.hpp"
@@ -23,6 +25,44 @@ void WorldBuilder::add_waypoint(const Point2& position) {
   waypoint_lines_.push_back(line_);
 }
 
+void WorldBuilder::add_box(const Pose2& world_T_middle, double width_m, double depth_m) {
+  for (const Segment& side : rectangle(world_T_middle, width_m, depth_m)) {
+    furniture_.push_back(side);
+    world_.building.panels.push_back({side, 0.0, heights_.box_m});
+  }
+  if (heights_.box_m < kCeiling) {
+    world_.building.slabs.push_back({world_T_middle, width_m, depth_m, heights_.box_m});
+  }
+}
+
+void WorldBuilder::add_table(const Pose2& world_T_middle, double width_m, double depth_m) {
+  constexpr double kLegRadiusM = 0.03;
+  for (const Segment& side : rectangle(world_T_middle, width_m - 2.0 * kLegRadiusM, depth_m - 2.0 * kLegRadiusM)) {
+    add_column({side.a, kLegRadiusM}, heights_.table_m);  // each corner begins one side
+  }
+  world_.building.slabs.push_back({world_T_middle, width_m, depth_m, heights_.table_m});
+}
+
+void WorldBuilder::add_column(const Pillar& pillar, double top_m) {
+  world_.pillars.push_back(pillar);
+  world_.building.columns.push_back({pillar, 0.0, top_m});
+}
+
+// No part of a building is higher than its ceiling.
+void WorldBuilder::raise_walls() {
+  Building& building = world_.building;
+  for (const Segment& wall : walls_) {
+    building.panels.push_back({wall, 0.0, building.ceiling_m});
+  }
+  for (Panel& panel : building.panels) {
+    panel.top_m = std::min(panel.top_m, building.ceiling_m);
+  }
+  std::erase_if(building.panels, [](const Panel& panel) { return panel.top_m <= panel.bottom_m; });
+  for (Column& column : building.columns) {
+    column.top_m = std::min(column.top_m, building.ceiling_m);
+  }
+}
+
 void WorldBuilder::open(const Door& door) {
   std::vector<Segment> rest;
   bool has_opened = false;
@@ -32,6 +72,9 @@ void WorldBuilder::open(const Door& door) {
                               pieces[0].b.x_m == wall.b.x_m && pieces[0].b.y_m == wall.b.y_m;
     has_opened = has_opened || !is_untouched;
     rest.insert(rest.end(), pieces.begin(), pieces.end());
+    if (const std::optional<Segment> opening = within_disc(wall, door.centre, door.radius_m)) {
+      world_.building.panels.push_back({*opening, door.height_m, kCeiling});  // the lintel
+    }
   }
   if (!has_opened) {
     throw DataError(name_, door.line, fmt::format("door {} {} opens no wall", door.centre.x_m, door.centre.y_m),
@@ -64,6 +107,7 @@ World WorldBuilder::build() {
   for (const Door& door : doors_) {
     open(door);
   }
+  raise_walls();
   world_.segments = walls_;
   world_.segments.insert(world_.segments.end(), furniture_.begin(), furniture_.end());
   check_path();

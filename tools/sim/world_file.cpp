@@ -17,6 +17,8 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr Range kCoordinateM{-10'000.0, 10'000.0};
 constexpr Range kSizeM{0.001, 10'000.0};
+constexpr Range kTableM{0.1, 10'000.0};
+constexpr Range kHeightM{0.05, 100.0};
 constexpr Range kSpeedMps{0.01, 20.0};
 constexpr Range kTurnRateDegps{0.1, 3600.0};
 constexpr Range kCornerRadiusM{0.0, 100.0};
@@ -59,14 +61,37 @@ void door(const Fields& fields, WorldBuilder& builder) {
   builder.add_door(point(fields, 1), number(fields, 3, kSizeM, "WIDTH in m"));
 }
 
-void box(const Fields& fields, WorldBuilder& builder) {
+/// A rectangle's middle and direction: X Y WIDTH HEIGHT [YAW_DEG].
+Pose2 middle_pose(const Fields& fields) {
   const Point2 middle = point(fields, 1);
+  return {middle.x_m, middle.y_m, fields.size() > 5 ? number(fields, 5, kAngleDeg, "YAW in deg") * kRadPerDeg : 0.0};
+}
+
+void box(const Fields& fields, WorldBuilder& builder) {
   const double width_m = number(fields, 3, kSizeM, "WIDTH in m");
-  const double height_m = number(fields, 4, kSizeM, "HEIGHT in m");
-  const double yaw_rad = fields.size() > 5 ? number(fields, 5, kAngleDeg, "YAW in deg") * kRadPerDeg : 0.0;
-  for (const Segment& side : rectangle({middle.x_m, middle.y_m, yaw_rad}, width_m, height_m)) {
-    builder.add_furniture(side);
-  }
+  builder.add_box(middle_pose(fields), width_m, number(fields, 4, kSizeM, "HEIGHT in m"));
+}
+
+void table(const Fields& fields, WorldBuilder& builder) {
+  const double width_m = number(fields, 3, kTableM, "WIDTH in m");
+  builder.add_table(middle_pose(fields), width_m, number(fields, 4, kTableM, "DEPTH in m"));
+}
+
+void ceiling(const Fields& fields, WorldBuilder& builder) {
+  builder.set_ceiling(number(fields, 1, kHeightM, "the ceiling's height in m"));
+}
+
+void door_height(const Fields& fields, WorldBuilder& builder) {
+  builder.heights().door_m = number(fields, 1, kHeightM, "the doors' height in m");
+}
+
+void box_height(const Fields& fields, WorldBuilder& builder) {
+  const double height_m = number(fields, 1, {0.0, kHeightM.max}, "the boxes' height in m");
+  builder.heights().box_m = height_m > 0.0 ? height_m : WorldBuilder::kCeiling;
+}
+
+void table_height(const Fields& fields, WorldBuilder& builder) {
+  builder.heights().table_m = number(fields, 1, kHeightM, "the tables' height in m");
 }
 
 void pillar(const Fields& fields, WorldBuilder& builder) {
@@ -115,12 +140,17 @@ struct Statement {
 
 constexpr std::size_t kAny = 1'000'000;
 constexpr std::size_t kShownBytesMax = 24;
-constexpr std::array<Statement, 10> kStatements{{
+constexpr std::array<Statement, 15> kStatements{{
     {"wall", 4, kAny, true, "wall X Y X Y ...", wall},
     {"room", 4, 4, false, "room X Y WIDTH HEIGHT", room},
     {"door", 3, 3, false, "door X Y WIDTH", door},
     {"box", 4, 5, false, "box X Y WIDTH HEIGHT [YAW_DEG]", box},
+    {"table", 4, 5, false, "table X Y WIDTH DEPTH [YAW_DEG]", table},
     {"pillar", 3, 3, false, "pillar X Y RADIUS", pillar},
+    {"ceiling", 1, 1, false, "ceiling METRES", ceiling},
+    {"door_height", 1, 1, false, "door_height METRES", door_height},
+    {"box_height", 1, 1, false, "box_height METRES", box_height},
+    {"table_height", 1, 1, false, "table_height METRES", table_height},
     {"walker", 6, kAny, true, "walker RADIUS SPEED X Y X Y ...", walker},
     {"speed", 1, 1, false, "speed METRES_PER_SECOND", speed},
     {"turn_rate", 1, 1, false, "turn_rate DEGREES_PER_SECOND", turn_rate},

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "core/cloud/keyed_cloud.hpp"
+#include "core/cloud/level_scan.hpp"
+#include "core/cloud/tilt_mount.hpp"
+
+namespace odoless {
+
+/// 3D mapping with a tilting laser.
+struct MappingParams {
+  bool enabled = true;
+  TiltMountParams mount{};
+  LevelParams level{};
+  CloudParams cloud{};
+  double pose_gap_max_s = 2.0;
+  double yaw_doubt_max_rad = 0.008726646259971648;
+  double angle_gap_max_s = 0.5;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.flag("enabled", self.enabled, "Whether the daemon maps in 3D where a tilt servo is configured.");
+    visit.group("mount", self.mount, "The laser on its tilt axis on the robot: the extrinsic calibration.");
+    visit.group("level", self.level, "Which scans of a tilting laser serve 2D SLAM.");
+    visit.group("cloud", self.cloud, "The cloud of points.");
+    visit.value("pose_gap_max_s", self.pose_gap_max_s, Range{0.01, 60.0},
+                "Between poses farther apart no pose is known, and scans are left out of the cloud.");
+    visit.value("yaw_doubt_max_rad", self.yaw_doubt_max_rad, Range{0.0001, 3.1416},
+                "Scans between two level ones are left out where the robot may have turned unevenly by more.");
+    visit.value("angle_gap_max_s", self.angle_gap_max_s, Range{0.001, 60.0},
+                "Between angles farther apart no angle is known, and beams are left out.");
+  }
+};
+
+}  // namespace odoless

@@ -1,0 +1,149 @@
+#include "tools/cloud/cloud_job.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "tools/cloud/merged_cloud.hpp"
+#include "tools/eval/ate.hpp"
+#include "tools/output/cloud_files.hpp"
+#include "tools/output/cloud_picture.hpp"
+#include "tools/output/trajectory.hpp"
+#include "tools/output/whole_file.hpp"
+#include "tools/sim/world_file.hpp"
+
+namespace odoless {
+namespace {
+
+double to_s(std::int64_t stamp_ns) { return static_cast<double>(stamp_ns) * 1e-9; }
+double to_deg(double angle_rad) { return angle_rad * 180.0 / std::numbers::pi; }
+
+/// What there is to be mapped; with the truth where it is simulated.
+struct Input {
+  TiltLog log;
+  World world;
+  std::vector<StampedPose> truth;
+};
+
+Input read_input(const CloudJob& job) {
+  Input input;
+  if (std::filesystem::path(job.input).extension() != ".world") {
+    input.log = read_tilt_log(job.input);
+    return input;
+  }
+  input.world = read_world(job.input);
+  const TiltMount mount(job.true_mount.value_or(job.params.mapping.mount));
+  TiltedSimulation simulation = simulate_tilted(input.world, mount, job.lrf, job.tilt, job.seed);
+  input.log = std::move(simulation.log);
+  input.truth = std::move(simulation.truth);
+  if (job.write_log) {
+    write_whole_file(job.out / "tilt_log.csv", tilt_csv(input.log, input.log.row_offset_ns));
+  }
+  return input;
+}
+
+std::vector<ReferencePose> reference_of(const std::vector<StampedPose>& poses) {
+  std::vector<ReferencePose> out;
+  for (const StampedPose& pose : poses) {
+    out.push_back({to_s(pose.stamp_ns), pose.map_T_scan});
+  }
+  return out;
+}
+
+CloudTruth compare(const Input& input, const CloudResult& result) {
+  const AteResult ate = evaluate_ate(reference_of(input.truth), reference_of(result.run.slam.trajectory), {});
+  const Pose3 world_T_map = Pose3::of(ate.reference_T_estimate);
+  std::vector<double> distances_m;
+  for (const Point3& p_map : result.points) {
+    distances_m.push_back(distance_m(input.world.building, world_T_map * p_map));
+  }
+  return {summarise(std::move(distances_m)), ate.errors.translation_m};
+}
+
+nlohmann::ordered_json to_json(const Statistics& statistics, double unit) {
+  return {{"count", statistics.count},
+          {"median", statistics.median * unit},
+          {"mean", statistics.mean * unit},
+          {"percentile_95", statistics.percentile_95 * unit},
+          {"max", statistics.max * unit}};
+}
+
+nlohmann::ordered_json summary_of(const CloudResult& result) {
+  const CloudRun& run = result.run;
+  const KeyedCloud& cloud = run.mapper.cloud();
+  nlohmann::ordered_json summary = {{"scans_in_cloud", run.scans_in_cloud},
+                                    {"scans_without_pose", run.scans_without_pose},
+                                    {"level_scans", run.level_scans},
+                                    {"keys", cloud.keys().size()},
+                                    {"points_kept", cloud.size()},
+                                    {"points_refused", cloud.refused()},
+                                    {"points_written", result.points.size()},
+                                    {"cloud_cpu_s", run.cloud_cpu_s},
+                                    {"servo_clock_ahead_s", to_s(result.clock.clock_ahead_ns)},
+                                    {"servo_clock_is_estimated", result.clock_is_estimated},
+                                    {"servo_clock_is_told_by_cloud", result.clock.is_told},
+                                    {"voxels_per_return", result.clock.voxels_per_return},
+                                    {"voxels_per_return_before", result.clock.voxels_per_return_before},
+                                    {"floor_height_m", result.check.floor_height_m},
+                                    {"floor_deviation_m", to_json(result.check.floor_deviation_m, 1.0)},
+                                    {"wall_lean_deg", to_json(result.check.wall_lean_rad, to_deg(1.0))},
+                                    {"saw_floor_and_walls", result.check.saw_enough()},
+                                    {"calibration_is_straight", result.check.is_straight()}};
+  if (result.truth) {
+    summary["distance_to_truth_m"] = to_json(result.truth->distance_m, 1.0);
+    summary["pose_error_m"] = to_json(result.truth->pose_error_m, 1.0);
+  }
+  return summary;
+}
+
+std::vector<Point3> points_of_keys(const KeyedCloud& cloud, std::size_t keys) {
+  std::vector<Point3> points;
+  for_each_point(cloud, [&](std::size_t key, const Point3& p_map, std::uint32_t) {
+    if (key < keys) {
+      points.push_back(p_map);
+    }
+  });
+  return points;
+}
+
+}  // namespace
+
+CloudResult run_cloud_job(const CloudJob& job, const ReplayProgress& progress) {
+  const Input input = read_input(job);
+  CloudSetup setup{job.servo, job.params.mapping, job.params.robot, job.seed};
+  setup.servo.clock_ahead_ns = job.clock_ahead_s ? std::llround(*job.clock_ahead_s * 1e9) : input.log.row_offset_ns;
+  CloudResult result{.run = make_cloud(input.log, setup, progress)};
+  result.clock.clock_ahead_ns = setup.servo.clock_ahead_ns;
+  result.clock_is_estimated = !job.clock_ahead_s;
+  if (result.clock_is_estimated) {
+    result.clock = align_clocks(input.log, setup, result.run.slam);
+  }
+  if (result.clock.clock_ahead_ns != setup.servo.clock_ahead_ns) {
+    setup.servo.clock_ahead_ns = result.clock.clock_ahead_ns;
+    result.run = make_cloud(input.log, setup, progress);
+  }
+  result.points = merged_cloud(result.run.mapper.cloud(), setup.mapping.cloud.voxel_m);
+  result.check = check_cloud(result.run.mapper.cloud());
+  if (!input.truth.empty()) {
+    result.truth = compare(input, result);
+  }
+  return result;
+}
+
+void write_cloud_result(const CloudJob& job, const CloudResult& result) {
+  const HeightColours colours(result.points);
+  const double cut_m = below_ceiling_m(colours);
+  write_cloud_ply(job.out / "cloud.ply", result.points, colours);
+  write_cloud_pcd(job.out / "cloud.pcd", result.points, colours);
+  write_whole_file(job.out / "cloud_top.png", draw_cloud_from_above(result.points, colours, cut_m).png());
+  write_whole_file(job.out / "cloud_perspective.png", draw_cloud_in_perspective(result.points, colours, cut_m).png());
+  if (job.keys_shown > 0) {
+    const std::vector<Point3> shown =
+        points_of_keys(result.run.mapper.cloud(), static_cast<std::size_t>(job.keys_shown));
+    write_whole_file(job.out / "cloud_keys.png", draw_cloud_in_perspective(shown, colours, cut_m).png());
+  }
+  write_trajectory(job.out / "trajectory.tum", result.run.slam.trajectory);
+  write_whole_file(job.out / "summary.json", summary_of(result).dump(2) + "\n");
+}
+
+}  // namespace odoless
