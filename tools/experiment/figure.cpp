@@ -17,7 +17,7 @@ constexpr int kSquareHeightPx = 560;
 constexpr int kUnknownGrey = 205;
 constexpr int kMapPixelsMax = 700;  // a side: more is not seen, and takes room in the report
 
-bool is_alike(const Panel& panel) { return panel.alike || panel.map.has_value(); }
+bool is_alike(const Chart& panel) { return panel.alike || panel.map.has_value(); }
 
 bool is_square(const Figure& figure) { return std::any_of(figure.panels.begin(), figure.panels.end(), is_alike); }
 
@@ -127,7 +127,7 @@ struct PlotCommand {
   std::vector<std::string> clauses;
 };
 
-PlotCommand plot_command(const Panel& panel, int number) {
+PlotCommand plot_command(const Chart& panel, int number) {
   PlotCommand command;
   if (panel.map) {
     if (const Crop crop = known_part(*panel.map); crop.column_end > crop.column_begin) {
@@ -149,7 +149,7 @@ PlotCommand plot_command(const Panel& panel, int number) {
   return command;
 }
 
-std::string axes_of(const Panel& panel) {
+std::string axes_of(const Chart& panel) {
   std::string text = fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", in_quotes(panel.title),
                                  in_quotes(panel.x_label), in_quotes(panel.y_label));
   text += is_alike(panel) ? "set size ratio -1\nset key outside below\nset offsets graph 0.03, 0.03, 0.03, 0.03\n"

@@ -26,7 +26,7 @@ struct Series {
 };
 
 /// One pair of axes.
-struct Panel {
+struct Chart {
   std::string title{};
   std::string x_label{};  ///< with unit
   std::string y_label{};
@@ -40,7 +40,7 @@ struct Figure {
   std::string name{};  ///< the files', without extension
   std::string caption{};
   int columns = 1;
-  std::vector<Panel> panels{};
+  std::vector<Chart> panels{};
 };
 
 constexpr Rgb kRed{220, 50, 32};

@@ -61,7 +61,7 @@ std::vector<Figure> histograms(std::span<const DisplacementError> errors) {
 }
 
 /// The map with the estimated and the true path, all in the map's own frame.
-Panel mapped_panel(const RunOutput& output, std::span<const ReferencePose> truth) {
+Chart mapped_panel(const RunOutput& output, std::span<const ReferencePose> truth) {
   const Pose2 map_T_world = output.trajectory.front().pose * truth.front().pose.inverse();
   std::vector<Pose2> map_truth;
   for (const ReferencePose& pose : truth) {

@@ -130,7 +130,7 @@ Findings conclude_generations(const Evidence& evidence) {
 
 /// Median errors of both settings over the noise.
 Figure noise_figure(std::span<const MatchingSummary> seed, std::span<const MatchingSummary> ours) {
-  Panel panel{.title = "median error of displacement",
+  Chart panel{.title = "median error of displacement",
               .x_label = "standard deviation of the range (mm)",
               .y_label = "median error (mm)"};
   panel.series = {{"the seed's setting", Mark::kLine, kRed, {}}, {"as built in", Mark::kLine, kBlue, {}}};

@@ -80,8 +80,8 @@ Findings conclude_rotation(const Evidence& evidence) {
 }
 
 /// Travel that the matches report over the true one, with lambda, the speed's promise, as the diagonal.
-Panel travel_panel(std::span<const DisplacementError> errors) {
-  Panel panel{.title = "travel per displacement in a corridor without a feature",
+Chart travel_panel(std::span<const DisplacementError> errors) {
+  Chart panel{.title = "travel per displacement in a corridor without a feature",
               .x_label = "scan",
               .y_label = "travel (m)",
               .series = {{"true: lambda", Mark::kLine, kRed, {}}, {"by the match", Mark::kPoints, kBlue, {}}}};

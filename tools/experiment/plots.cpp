@@ -85,7 +85,7 @@ Series index_series(const std::string& label, std::span<const double> values, do
   return series;
 }
 
-Panel position_error_panel(std::span<const double> errors_m, std::span<const Arrival> route) {
+Chart position_error_panel(std::span<const double> errors_m, std::span<const Arrival> route) {
   std::string places;
   Series visits{"at a place of the route", Mark::kPoints, kRed, {}};
   for (const Arrival& arrival : route) {
@@ -116,7 +116,7 @@ OccupancyMap map_of_points(const ScanLog& log, std::span<const Pose2> map_T_scan
   return map;
 }
 
-Panel histogram_panel(const std::string& title, const std::string& x_label, std::span<const double> values,
+Chart histogram_panel(const std::string& title, const std::string& x_label, std::span<const double> values,
                       double limit) {
   const double per_bin = 2.0 * limit / kBins;
   std::vector<double> counts(kBins, 0.0);
@@ -134,7 +134,7 @@ Panel histogram_panel(const std::string& title, const std::string& x_label, std:
   return {.title = title, .x_label = x_label, .y_label = "share", .series = {bars, law_series(law, limit, per_bin)}};
 }
 
-Panel fitness_panel(const std::string& title, std::span<const double> fitness) {
+Chart fitness_panel(const std::string& title, std::span<const double> fitness) {
   Series values = index_series("A - score, as for 180 beams", fitness, 1.0, kBlue);
   values.mark = Mark::kImpulses;
   const Series threshold{"threshold of the seed",
@@ -144,7 +144,7 @@ Panel fitness_panel(const std::string& title, std::span<const double> fitness) {
   return {.title = title, .x_label = "displacement", .y_label = "fitness", .series = {values, threshold}};
 }
 
-Panel map_panel(const std::string& title, const OccupancyMap& map, std::vector<Series> paths) {
+Chart map_panel(const std::string& title, const OccupancyMap& map, std::vector<Series> paths) {
   return {.title = title, .x_label = "x (m)", .y_label = "y (m)", .series = std::move(paths), .map = map};
 }
 

@@ -47,7 +47,7 @@ ScanLog used_scans(const ScanLog& log, int every) {
   return used;
 }
 
-Panel map_by_matches(const Evidence& evidence, const Run& run, const std::string& title) {
+Chart map_by_matches(const Evidence& evidence, const Run& run, const std::string& title) {
   const std::vector<Pose2> path = chain(evidence.output(run.name).matches, {});
   const ScanLog used = used_scans(evidence.scene(run.name).log, run.every);
   return map_panel(title, map_of_points(used, path, kPointMapResolutionM), {path_series("path", path, kBlue)});

@@ -36,7 +36,7 @@ Figure map_figure(const Evidence& evidence, const HardWorld& world, const std::s
 
 Findings conclude_worlds(const Evidence& evidence) {
   constexpr std::array kColours{kRed, kBlue, kGreen, kOrange, Rgb{120, 94, 240}};
-  Panel panel{.title = "distance from the true position", .x_label = "robot pose", .y_label = "error (mm)"};
+  Chart panel{.title = "distance from the true position", .x_label = "robot pose", .y_label = "error (mm)"};
   Table table{"errors", {"world", "pose", "error_m"}, {}};
   Findings findings;
   for (std::size_t w = 0; w < kWorlds.size(); ++w) {
