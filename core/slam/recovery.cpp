@@ -7,6 +7,7 @@ namespace odoless {
 Recovery::Recovery(const RecoveryParams& params, const ScanParams& scan, const Slam& slam)
     : params_(params),
       monitor_(params.tracking),
+      usual_(params.tracking),
       fit_(slam.params().low.beam, params.tracking.fit_sigma_m, slam.low().geometry().resolution_m,
            slam.params().low.beams_used),
       relocaliser_(params.search, params.tracking.fit_sigma_m, scan, slam) {
@@ -15,6 +16,7 @@ Recovery::Recovery(const RecoveryParams& params, const ScanParams& scan, const S
 
 void Recovery::reset() {
   updates_ = 0;
+  usual_.reset();
   trust();
 }
 
@@ -36,10 +38,16 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
   if (!params_.enabled) {
     return Advice::kGoOn;
   }
-  if (updates_ < params_.tracking.updates_min) {
-    return Advice::kGoOn;
+  if (lost()) {
+    return look_for_it(slam, tracked);
   }
-  return lost() ? look_for_it(slam, tracked) : diagnose(slam, tracked);
+  // Where scans are far apart nothing of this tells a robot that is lost from one that goes on.
+  const bool can_tell = updates_ >= params_.tracking.updates_min && usual_.is_dense();
+  const Advice advice = can_tell ? diagnose(slam, tracked) : Advice::kGoOn;
+  if (state() == Tracking::kSure) {
+    usual_.add(tracked.previous_T_current);
+  }
+  return advice;
 }
 
 Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
@@ -48,14 +56,16 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   const Pose2 map_T_scan = low.pose(low.best()) * tracked.update_T_scan;
   last_fit_ = fit_.of(low.map(low.best()), low.geometry(), map_T_scan);
   const bool is_open = tracked.weak_information_1_m2 < params_.tracking.weak_information_1_m2;
+  const bool is_far = tracked.escalated || usual_.is_too_fast(tracked.previous_T_current, tracked.period_s);
   monitor_.add({.fit = last_fit_,
                 .suspect = depleted_ || is_open,
-                .carried = tracked.matched && tracked.escalated,
+                .carried = tracked.matched && is_far && usual_.is_unusual(tracked.previous_T_current),
                 .torn = !tracked.matched},
                tracked.scan.stamp_ns());
   if (lost()) {
     relocaliser_.begin(slam.map_T_scan());
     settled_ = false;
+    matched_s_ = 0.0;
   }
   return monitor_.is_trusted() ? Advice::kGoOn : Advice::kHold;
 }
@@ -67,11 +77,20 @@ Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
   }
   const std::optional<Pose2> map_T_scan = relocaliser_.process(slam, tracked.scan);
   if (!map_T_scan) {
-    return Advice::kHold;
+    if (!has_waited_enough(tracked)) {
+      return Advice::kHold;
+    }
+    monitor_.resume();
+    return Advice::kGoOn;
   }
   slam.set_pose(*map_T_scan, {params_.search.spread_m, params_.search.spread_rad});
   trust();
   return Advice::kFound;
+}
+
+bool Recovery::has_waited_enough(const TrackedScan& tracked) {
+  matched_s_ = tracked.matched ? matched_s_ + tracked.period_s : 0.0;
+  return params_.search.resume_after_s > 0.0 && matched_s_ >= params_.search.resume_after_s;
 }
 
 }  // namespace odoless

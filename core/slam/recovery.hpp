@@ -4,6 +4,7 @@
 
 #include "core/slam/relocaliser.hpp"
 #include "core/slam/tracking_monitor.hpp"
+#include "core/slam/usual_motion.hpp"
 
 namespace odoless {
 
@@ -13,6 +14,7 @@ struct TrackedScan {
   Pose2 update_T_scan;                 ///< from the filter's last update to the scan
   Pose2 previous_T_current;            ///< from the last scan to this one
   bool matched = true;                 ///< in the narrow search, or then in the wide one
+  double period_s = 0.0;               ///< from the last scan to this one
   bool escalated = false;              ///< not in the narrow one
   double weak_information_1_m2 = 0.0;  ///< MatchResult's
 };
@@ -58,12 +60,15 @@ class Recovery {
  private:
   [[nodiscard]] Advice diagnose(Slam& slam, const TrackedScan& tracked);
   [[nodiscard]] Advice look_for_it(Slam& slam, const TrackedScan& tracked);
+  [[nodiscard]] bool has_waited_enough(const TrackedScan& tracked);
 
   RecoveryParams params_;
   TrackingMonitor monitor_;
+  UsualMotion usual_;
   ScanFit fit_;
   Relocaliser relocaliser_;
   double last_fit_ = 1.0;
+  double matched_s_ = 0.0;  ///< lost, and every scan has matched the ones before
   int updates_ = 0;
   bool depleted_ = false;
   bool settled_ = false;  ///< lost, and the filter's work is done: the map stays as it is

@@ -16,6 +16,11 @@ struct TrackingParams {
   double torn_fit_min = 0.6;
   double torn_for_s = 3.0;
   double lost_after_s = 0.7;
+  double leap_m = 0.3;
+  double leap_rad = 0.3;
+  double leap_mps = 2.5;
+  double leap_radps = 4.0;
+  double leap_ratio = 2.0;
   int updates_min = 20;
 
   template <class Self, class Visitor>
@@ -35,6 +40,15 @@ struct TrackingParams {
                 "Time for which scans must then fit so well, one after the other, before any is mapped again.");
     visit.value("lost_after_s", self.lost_after_s, Range{0.0, 60.0},
                 "Time of scans that do not fit, less that of scans that do, after which the robot is lost.");
+    visit.value("leap_m", self.leap_m, Range{0.0, 10.0},
+                "Step from scan to scan that is nothing special; where steps are larger, the scans are far apart.");
+    visit.value("leap_rad", self.leap_rad, Range{0.0, 3.2}, "The same of a turn.");
+    visit.value(
+        "leap_mps", self.leap_mps, Range{0.1, 100.0},
+        "Speed that the robot cannot have by itself: it was carried, if its last steps were much smaller, too.");
+    visit.value("leap_radps", self.leap_radps, Range{0.1, 100.0}, "The same of turning.");
+    visit.value("leap_ratio", self.leap_ratio, Range{1.0, 100.0},
+                "Times the largest step of late, and leap_m more, is much.");
     visit.value("updates_min", self.updates_min, Range{1, 1'000'000},
                 "Updates of the filter before which its map is too small to be lost in.");
   }
@@ -48,6 +62,7 @@ struct RelocaliserParams {
   double rival_ratio = 0.85;
   double found_after_s = 2.0;
   double give_up_after_s = 4.0;
+  double resume_after_s = 20.0;
   double spread_m = 0.05;
   double spread_rad = 0.015;
 
@@ -62,6 +77,9 @@ struct RelocaliserParams {
     visit.value("found_after_s", self.found_after_s, Range{0.0, 60.0}, "Time for which candidates are followed.");
     visit.value("give_up_after_s", self.give_up_after_s, Range{0.1, 600.0},
                 "Time after which the search begins anew where candidates stay as good as each other.");
+    visit.value("resume_after_s", self.resume_after_s, Range{0.0, 1e6},
+                "Time of scans that match each other after which a robot that was not found goes on from where its "
+                "odometry has it, in doubt until it is found or told; 0: never.");
     visit.value("spread_m", self.spread_m, Range{0.0, 5.0}, "Deviation of the particles where the robot is found.");
     visit.value("spread_rad", self.spread_rad, Range{0.0, 1.0}, "The same of their yaw.");
   }

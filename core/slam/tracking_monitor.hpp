@@ -31,6 +31,12 @@ class TrackingMonitor {
 
   void reset() { *this = TrackingMonitor(params_); }
 
+  /// Goes on without having been found: in doubt, whatever fits, until `reset`.
+  void resume() {
+    reset();
+    unconfirmed_ = true;
+  }
+
   void add(const TrackingSigns& signs, std::int64_t stamp_ns) {
     const double span_s =
         started_ ? std::clamp(1e-9 * static_cast<double>(stamp_ns - stamp_ns_), kSpan_min_s, kSpan_max_s) : kSpan_min_s;
@@ -51,7 +57,7 @@ class TrackingMonitor {
     if (lost_) {
       return Tracking::kLost;
     }
-    return poor_scans_ > 0 || poor_s_ > 0.0 || torn_s_ > 0.0 ? Tracking::kDoubtful : Tracking::kSure;
+    return unconfirmed_ || poor_scans_ > 0 || poor_s_ > 0.0 || torn_s_ > 0.0 ? Tracking::kDoubtful : Tracking::kSure;
   }
 
  private:
@@ -74,6 +80,7 @@ class TrackingMonitor {
   bool started_ = false;
   bool fits_ = true;
   bool lost_ = false;
+  bool unconfirmed_ = false;
 };
 
 }  // namespace odoless

@@ -82,11 +82,11 @@ struct GpioLine::Handle {
  private:
   /// Frees what libgpiod gave.
   struct Free {
-    void operator()(gpiod_chip* chip) const { gpiod_chip_close(chip); }
+    void operator()(gpiod_chip* held) const { gpiod_chip_close(held); }
     void operator()(gpiod_line_settings* settings) const { gpiod_line_settings_free(settings); }
     void operator()(gpiod_line_config* config) const { gpiod_line_config_free(config); }
     void operator()(gpiod_request_config* config) const { gpiod_request_config_free(config); }
-    void operator()(gpiod_line_request* request) const { gpiod_line_request_release(request); }
+    void operator()(gpiod_line_request* held) const { gpiod_line_request_release(held); }
     void operator()(gpiod_edge_event_buffer* buffer) const { gpiod_edge_event_buffer_free(buffer); }
   };
   template <class T>

@@ -3,21 +3,6 @@
 #include <cmath>
 
 namespace odoless {
-namespace {
-
-// Farther than a robot moves by itself from scan to scan, give or take a match's error.
-bool is_leap(const OdometryStep& step) {
-  constexpr double kSpeed_mps = 2.5;
-  constexpr double kTurn_radps = 4.0;
-  constexpr double kError_m = 0.3;
-  constexpr double kError_rad = 0.3;
-  const double period_s = 1e-9 * static_cast<double>(step.to_stamp_ns - step.from_stamp_ns);
-  return step.previous_T_current.distance_m({}) > kError_m + kSpeed_mps * period_s ||
-         std::abs(step.previous_T_current.yaw_rad) > kError_rad + kTurn_radps * period_s;
-}
-
-}  // namespace
-
 FilterStage::FilterStage(const RobotParams& params, std::uint64_t seed)
     : gate_(params.gate), filter_(params.slam, params.scan, seed), recovery_(params.recovery, params.scan, filter_) {}
 
@@ -66,7 +51,8 @@ Advice FilterStage::diagnose(const ScanFrame& scan, const OdometryStep& step) {
                                      .update_T_scan = update_T_scan_,
                                      .previous_T_current = step.previous_T_current,
                                      .matched = step.matched && (step.match.converged || !step.match.escalated),
-                                     .escalated = step.match.escalated || is_leap(step),
+                                     .period_s = 1e-9 * static_cast<double>(step.to_stamp_ns - step.from_stamp_ns),
+                                     .escalated = step.match.escalated,
                                      .weak_information_1_m2 = step.match.weak_information_1_m2});
 }
 

@@ -52,6 +52,18 @@ TEST_F(TrackingMonitorTest, IsLostAfterTheTimeGivenAndStaysSo) {
   EXPECT_EQ(monitor_.state(), Tracking::kSure);
 }
 
+TEST_F(TrackingMonitorTest, OnceItHasGoneOnWithoutBeingFoundItIsNeverSure) {
+  scans(10, kGood);
+  scans(8, kBad);
+  ASSERT_EQ(monitor_.state(), Tracking::kLost);
+  monitor_.resume();
+  scans(100, kGood);
+  EXPECT_EQ(monitor_.state(), Tracking::kDoubtful);
+  EXPECT_TRUE(monitor_.is_trusted());
+  monitor_.reset();
+  EXPECT_EQ(monitor_.state(), Tracking::kSure);
+}
+
 TEST_F(TrackingMonitorTest, ScansThatFitNowAndThenOnlyDelayIt) {
   for (int i = 0; i < 20; ++i) {
     scans(2, kBad);
