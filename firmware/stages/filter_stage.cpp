@@ -1,5 +1,6 @@
 #include "firmware/stages/filter_stage.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace odoless {
@@ -56,7 +57,20 @@ Advice FilterStage::diagnose(const ScanFrame& scan, const OdometryStep& step) {
                                      .weak_information_1_m2 = step.match.weak_information_1_m2});
 }
 
+// Scans before the first one may have been lost on their way; far from the middle of the grid there is less room.
+void FilterStage::begin() {
+  const GridGeometry& grid = geometry();
+  const double reach_m = 0.25 * grid.resolution_m * std::min(grid.columns, grid.rows);
+  if (std::max(std::abs(update_T_scan_.x_m), std::abs(update_T_scan_.y_m)) < reach_m) {
+    filter_.reset(update_T_scan_);
+  }
+  begun_ = true;
+}
+
 void FilterStage::update(const ScanFrame& scan, const Deadline& deadline, FilterStep& out) {
+  if (!begun_) {
+    begin();
+  }
   out.report = filter_.update(increment(scan.stamp_ns()), scan, deadline);
   recovery_.note(out.report, filter_.particles());
   out.updated = true;
@@ -81,6 +95,7 @@ FilterStep FilterStage::placed(FilterStep out, const OdometryStep& step) const {
 }
 
 void FilterStage::reset(const Pose2& map_T_scan) {
+  begun_ = true;
   filter_.reset(map_T_scan);
   recovery_.reset();
   restart_increment();
@@ -88,6 +103,7 @@ void FilterStage::reset(const Pose2& map_T_scan) {
 }
 
 void FilterStage::set_pose(const Pose2& map_T_scan) {
+  begun_ = true;
   filter_.set_pose(map_T_scan);
   recovery_.trust();
   restart_increment();

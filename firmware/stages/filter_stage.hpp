@@ -25,6 +25,7 @@ struct FilterStep {
 
 /// Motion in, poses and a map out: the filter thread's work. Composes increments and updates the filter when the robot
 /// has moved far enough. A robot that is lost maps nothing until it is found.
+/// The map begins at the odometry's origin.
 ///
 /// Thread: filter thread, or the one thread of a replay. Real time: no allocation after construction.
 class FilterStage {
@@ -58,6 +59,7 @@ class FilterStage {
 
  private:
   [[nodiscard]] bool gate_is_open() const;
+  void begin();
   void compose(const OdometryStep& step);
   void restart_increment();
   void update(const ScanFrame& scan, const Deadline& deadline, FilterStep& out);
@@ -72,6 +74,7 @@ class FilterStage {
   Pose2 update_T_scan_{};
   MotionError error_{};  ///< of update_T_scan_
   std::int64_t update_stamp_ns_ = 0;
+  bool begun_ = false;  ///< the first scan, or a command, has said where the map begins
   bool started_ = false;
   bool paused_ = false;
 };

@@ -49,7 +49,9 @@ ScanSlot FilterIntake::scan_of(std::int64_t stamp_ns) {
 
 OdometryStep FilterIntake::step_of(const MotionRecord& motion) const {
   OdometryStep step = to_step(motion);
-  if (started_ && motion.from_stamp_ns != last_stamp_ns_) {
+  if (!started_) {
+    step.previous_T_current = motion.odom_T_scan;  // whatever was lost before: the filter begins where the odometry is
+  } else if (motion.from_stamp_ns != last_stamp_ns_) {
     // Of the motions in between only the sum is known; their deviations are taken to be like this one's.
     const auto whole_s = static_cast<double>(motion.to_stamp_ns - last_stamp_ns_);
     const auto own_s = static_cast<double>(motion.to_stamp_ns - motion.from_stamp_ns);

@@ -134,6 +134,19 @@ TEST_F(FilterIntakeTest, TheNextMotionMakesUpForLostOnes) {
   expect_sum_is(0, 4);
 }
 
+TEST_F(FilterIntakeTest, TheFirstMotionMakesUpForAllThatWereLostBeforeIt) {
+  scan(7);
+  intake_.on_motion(motion(7));
+  scan(8);
+  intake_.on_motion(motion(8));
+  drain();
+  EXPECT_EQ(has_scan_, (std::vector{true, true}));
+  const Pose2 expected = odom_T_scan(8);
+  EXPECT_NEAR(sum_.x_m, expected.x_m, 1e-9);
+  EXPECT_NEAR(sum_.y_m, expected.y_m, 1e-9);
+  EXPECT_NEAR(sum_.yaw_rad, expected.yaw_rad, 1e-9);
+}
+
 TEST_F(FilterIntakeTest, WhatIsMadeUpForIsAsUncertainAsItIsLong) {
   intake_.on_motion(motion(1));
   intake_.on_motion(motion(4));
