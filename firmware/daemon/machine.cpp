@@ -55,7 +55,8 @@ Machine::Machine(DaemonOptions& options)
     }
   }
   if (!is_replay_) {
-    gpio_thread_ = std::make_unique<GpioThread>(options.params.gpio, gpio_signals_, clock_, pipeline_.sensor.wake);
+    gpio_thread_ =
+        std::make_unique<GpioThread>(options.params.gpio, gpio_signals_, clock_, pipeline_.sensor.wake, pipeline_.gpio);
   }
 }
 

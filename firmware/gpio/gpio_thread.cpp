@@ -11,6 +11,11 @@ namespace {
 
 bool is_high(PinLevel level) { return level == PinLevel::kHigh; }
 
+/// Of a line that may be lost.
+GpioLevel level_of(const Result<bool>& high) {
+  return !high.ok() ? GpioLevel::kLost : high.value() ? GpioLevel::kHigh : GpioLevel::kLow;
+}
+
 /// Drains the edges of a line. @return  False when the line is lost.
 template <class Take>
 bool read_edges(GpioLine& line, const Take& take) {
@@ -47,11 +52,12 @@ void open_output(std::optional<GpioLine>& line, const std::string& name, bool hi
 }  // namespace
 
 GpioThread::GpioThread(const GpioParams& params, GpioSignals& signals, const MonotonicClock& clock,
-                       const WakeUp& sensor)
+                       const WakeUp& sensor, Outbox& outbox)
     : params_(params),
       signals_(signals),
       clock_(clock),
       sensor_(sensor),
+      recorder_(outbox),
       power_(params.power_cycle_after_ns, params.power_off_ns, clock.now_ns()),
       thread_({.name = "odo-gpio", .priority = params.priority}) {
   signals_.stopped = !params_.stop_line.empty();
@@ -69,7 +75,7 @@ void GpioThread::run() {
     open_lines(clock_.now_ns());
     wait();
     const std::int64_t now_ns = clock_.now_ns();
-    serve_sync();
+    serve_sync(now_ns);
     serve_stop(now_ns);
     serve_outputs(now_ns);
     signals_.line_lost = !has_all_lines();
@@ -113,10 +119,12 @@ void GpioThread::serve_stop(std::int64_t now_ns) {
   bool pressed_between = false;  // and released again, before it was looked at
   if (stop_line_ && !read_edges(*stop_line_, [&](const GpioEdge& edge) {
         pressed_between = pressed_between || edge.high == is_high(params_.stop_level);
+        recorder_.on_edge(GpioPin::kStop, edge.high, clock_.from_monotonic_ns(edge.monotonic_ns));
       })) {
     stop_line_.reset();
   }
   const Result<bool> level = stop_line_ ? stop_line_->level() : Result<bool>(Errc::kDeviceMissing);
+  recorder_.on_level(GpioPin::kStop, level_of(level), now_ns);
   if (!level.ok()) {
     stop_line_.reset();
   }
@@ -135,17 +143,21 @@ void GpioThread::set_stopped(bool stopped) {
   }
 }
 
-void GpioThread::serve_sync() {
+void GpioThread::serve_sync(std::int64_t now_ns) {
   if (!sync_line_) {
     return;
   }
   const bool rising = params_.sync_edge == PinEdge::kRising;
   const bool alive = read_edges(*sync_line_, [&](const GpioEdge& edge) {
+    const std::int64_t stamp_ns = clock_.from_monotonic_ns(edge.monotonic_ns);
     if (edge.high == rising) {
-      static_cast<void>(signals_.sync_pulses_ns.try_push(clock_.from_monotonic_ns(edge.monotonic_ns)));
+      static_cast<void>(signals_.sync_pulses_ns.try_push(stamp_ns));
     }
+    recorder_.on_edge(GpioPin::kSync, edge.high, stamp_ns);
   });
-  if (!alive || !sync_line_->level().ok()) {
+  const Result<bool> level = alive ? sync_line_->level() : Result<bool>(Errc::kDeviceMissing);
+  recorder_.on_level(GpioPin::kSync, level_of(level), now_ns);
+  if (!level.ok()) {
     sync_line_.reset();
   }
 }
@@ -154,15 +166,19 @@ void GpioThread::serve_outputs(std::int64_t now_ns) {
   if (power_line_) {
     const bool on = power_.update(now_ns, signals_.last_scan_ns.load(std::memory_order_relaxed));
     signals_.power_cycles.store(power_.cycles(), std::memory_order_relaxed);
-    if (power_line_->set(on == is_high(params_.power_level)) != Errc::kOk) {
-      power_line_.reset();
-    }
+    set_output(power_line_, GpioPin::kPower, on == is_high(params_.power_level), now_ns);
   }
   if (led_line_) {
     const bool on = status_light_is_on(signals_.state, signals_.stopped, now_ns);
-    if (led_line_->set(on == is_high(params_.led_level)) != Errc::kOk) {
-      led_line_.reset();
-    }
+    set_output(led_line_, GpioPin::kLed, on == is_high(params_.led_level), now_ns);
+  }
+}
+
+void GpioThread::set_output(std::optional<GpioLine>& line, GpioPin pin, bool high, std::int64_t now_ns) {
+  const bool alive = line->set(high) == Errc::kOk;
+  recorder_.on_level(pin, alive ? level_of(high) : GpioLevel::kLost, now_ns);
+  if (!alive) {
+    line.reset();
   }
 }
 

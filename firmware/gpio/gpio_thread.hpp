@@ -6,6 +6,7 @@
 
 #include "drivers/io/gpio_line.hpp"
 #include "firmware/gpio/gpio_params.hpp"
+#include "firmware/gpio/gpio_recorder.hpp"
 #include "firmware/gpio/gpio_signals.hpp"
 #include "firmware/gpio/laser_power.hpp"
 #include "rt/clock.hpp"
@@ -20,14 +21,16 @@ namespace odoless {
 ///
 /// The stop is fail-safe: edges only wake the thread, the level decides, and is read every 20 ms besides; a line that
 /// cannot be read is a stop, and a stop ends when its line has been good for 100 ms. In the end power is left on and
-/// the light is put out.
+/// the light is put out. What is on the lines goes to the record.
 ///
 /// Thread: that of the supervisor. The thread inside is woken by priority but allocates while it opens lines.
 class GpioThread {
  public:
   /// @param signals  `stopped` is set at once where there is a stop line.
   /// @param sensor   Notified of each change of `stopped`.
-  GpioThread(const GpioParams& params, GpioSignals& signals, const MonotonicClock& clock, const WakeUp& sensor);
+  /// @param outbox   To the publisher; this thread's alone.
+  GpioThread(const GpioParams& params, GpioSignals& signals, const MonotonicClock& clock, const WakeUp& sensor,
+             Outbox& outbox);
   GpioThread(const GpioThread&) = delete;
   GpioThread& operator=(const GpioThread&) = delete;
   ~GpioThread();
@@ -45,14 +48,17 @@ class GpioThread {
   [[nodiscard]] bool has_all_lines() const;
   void wait();
   void serve_stop(std::int64_t now_ns);
-  void serve_sync();
+  void serve_sync(std::int64_t now_ns);
   void serve_outputs(std::int64_t now_ns);
+  /// Sets an output, or gives it up where it is lost.
+  void set_output(std::optional<GpioLine>& line, GpioPin pin, bool high, std::int64_t now_ns);
   void set_stopped(bool stopped);
 
   GpioParams params_;
   GpioSignals& signals_;
   const MonotonicClock& clock_;
   const WakeUp& sensor_;
+  GpioRecorder recorder_;
   LaserPower power_;
   std::optional<GpioLine> stop_line_;
   std::optional<GpioLine> sync_line_;

@@ -9,6 +9,8 @@ Channels::Channels(std::string_view prefix) {
   lrf_raw_tx = named("LRF_RAW_TX");
   tilt_raw_rx = named("TILT_RAW_RX");
   tilt_raw_tx = named("TILT_RAW_TX");
+  gpio_raw_rx = named("GPIO_RAW_RX");
+  gpio_raw_tx = named("GPIO_RAW_TX");
   tilt = named("TILT");
   motion = named("MOTION");
   pose = named("POSE");

@@ -20,6 +20,8 @@ struct Channels {
   std::string lrf_raw_tx;       ///< bot_core.raw_t, sent to the device
   std::string tilt_raw_rx;      ///< bot_core.raw_t, received from the tilt servo; of CAN a line of candump each
   std::string tilt_raw_tx;      ///< bot_core.raw_t, sent to it, likewise
+  std::string gpio_raw_rx;      ///< bot_core.raw_t, what came over GPIO lines: a change each (GpioChange)
+  std::string gpio_raw_tx;      ///< bot_core.raw_t, what the daemon set, likewise
   std::string tilt;             ///< bot_core.joint_state_t, joint "tilt"
   std::string motion;           ///< odoless.pose_covariance_t, frame "odom"
   std::string pose;             ///< bot_core.pose_t

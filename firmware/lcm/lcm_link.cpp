@@ -95,7 +95,7 @@ Errc LcmLink::refuse_too_long() {
 }
 
 template <class Message>
-Errc LcmLink::send(const std::string& channel, const Message& message) {
+Errc LcmLink::send(const std::string& channel, const Message& message, bool to_tap_alone) {
   const int size_bytes = message.getEncodedSize();
   if (std::cmp_greater(size_bytes, buffer_.size())) {
     return refuse_too_long();
@@ -108,19 +108,11 @@ Errc LcmLink::send(const std::string& channel, const Message& message) {
     tap_->record(channel, {buffer_.data(), static_cast<std::size_t>(size_bytes)},
                  std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
   }
-  return transmit(channel, static_cast<std::size_t>(size_bytes));
-}
-
-bool LcmLink::is_raw(const std::string& channel) const {
-  return channel == channels_.lrf_raw_rx || channel == channels_.lrf_raw_tx || channel == channels_.tilt_raw_rx ||
-         channel == channels_.tilt_raw_tx;
+  return to_tap_alone ? Errc::kOk : transmit(channel, static_cast<std::size_t>(size_bytes));
 }
 
 Errc LcmLink::transmit(const std::string& channel, std::size_t size_bytes) {
   if (params_.url.empty()) {
-    return Errc::kOk;
-  }
-  if (!params_.raw_bytes && is_raw(channel)) {
     return Errc::kOk;
   }
   if (lcm_ == nullptr ||
@@ -146,11 +138,19 @@ Errc LcmLink::publish(const RawBytesRecord& raw, std::span<const std::byte> byte
     return refuse_too_long();
   }
   to_message(raw, bytes, messages_->raw);
-  const bool sent = raw.to_device != 0;
-  if (raw.line == RawLine::kTilt) {
-    return send(sent ? channels_.tilt_raw_tx : channels_.tilt_raw_rx, messages_->raw);
+  return send(raw_channel(raw.line, raw.to_device != 0), messages_->raw, !params_.raw_bytes);
+}
+
+const std::string& LcmLink::raw_channel(RawLine line, bool to_device) const {
+  switch (line) {
+    case RawLine::kLaser:
+      break;
+    case RawLine::kTilt:
+      return to_device ? channels_.tilt_raw_tx : channels_.tilt_raw_rx;
+    case RawLine::kGpio:
+      return to_device ? channels_.gpio_raw_tx : channels_.gpio_raw_rx;
   }
-  return send(sent ? channels_.lrf_raw_tx : channels_.lrf_raw_rx, messages_->raw);
+  return to_device ? channels_.lrf_raw_tx : channels_.lrf_raw_rx;
 }
 
 Errc LcmLink::publish(const TiltRecord& tilt) {

@@ -99,9 +99,9 @@ class LcmLink {
   };
   [[nodiscard]] Errc fail(Errc error, std::string reason);
   template <class Message>
-  [[nodiscard]] Errc send(const std::string& channel, const Message& message);
+  [[nodiscard]] Errc send(const std::string& channel, const Message& message, bool to_tap_alone = false);
   [[nodiscard]] Errc refuse_too_long();
-  [[nodiscard]] bool is_raw(const std::string& channel) const;
+  [[nodiscard]] const std::string& raw_channel(RawLine line, bool to_device) const;
   [[nodiscard]] Errc transmit(const std::string& channel, std::size_t size_bytes);
 
   LcmParams params_;

@@ -8,6 +8,8 @@ constexpr std::size_t kCommands = 16;
 // In the outboxes, half a second of scans at 40 Hz, and the tiles of as many.
 constexpr std::size_t kScansWaiting = 20;
 constexpr std::size_t kSmallOutbox_bytes = std::size_t{1} << 16;
+// Some 300 changes of GPIO lines: two seconds of pulses at 75 Hz.
+constexpr std::size_t kGpioOutbox_bytes = std::size_t{1} << 14;
 constexpr std::size_t kTileOutbox_bytes = std::size_t{1} << 20;
 // In the hands of sensor, matcher and filter, and held back by the matcher while the motion queue is full.
 constexpr int kSlotsInHand = 4;
@@ -38,17 +40,18 @@ Pipeline::Pipeline(const PipelineParams& params, const RobotParams& robot, bool 
       sensor(scan_outbox_bytes(robot.scan), kEvents),
       matcher(kSmallOutbox_bytes, kEvents),
       filter(kTileOutbox_bytes, kEvents),
+      gpio(kGpioOutbox_bytes),
       frame_bytes_(frame_bytes_of(robot.scan)) {}
 
 std::size_t Pipeline::memory_bytes() const {
   return sizeof(*this) + static_cast<std::size_t>(pool.size()) * frame_bytes_ +
          motions.capacity() * sizeof(MotionMessage) + sensor.outbox.ring().memory_bytes() +
-         matcher.outbox.ring().memory_bytes() + filter.outbox.ring().memory_bytes();
+         matcher.outbox.ring().memory_bytes() + filter.outbox.ring().memory_bytes() + gpio.ring().memory_bytes();
 }
 
 std::int64_t Pipeline::records_dropped() const {
   return static_cast<std::int64_t>(sensor.outbox.ring().rejected() + matcher.outbox.ring().rejected() +
-                                   filter.outbox.ring().rejected());
+                                   filter.outbox.ring().rejected() + gpio.ring().rejected());
 }
 
 }  // namespace odoless

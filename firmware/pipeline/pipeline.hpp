@@ -54,6 +54,7 @@ struct Pipeline {
   StagePort<SensorReport> sensor;
   StagePort<MatcherReport> matcher;
   StagePort<FilterReport> filter;
+  Outbox gpio;                        ///< what is on the GPIO lines, from their thread
   std::atomic<bool> stopping{false};  ///< the sensor takes nothing in any more; the others drain
 
  private:

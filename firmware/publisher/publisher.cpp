@@ -26,6 +26,7 @@ Publisher::Publisher(const PublisherParams& params, const GridGeometry& geometry
 
 void Publisher::round(std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
+  drain(pipeline_.gpio);
   drain(pipeline_.sensor.outbox);
   drain(pipeline_.matcher.outbox, &pipeline_.sensor.outbox);
   drain(pipeline_.filter.outbox);

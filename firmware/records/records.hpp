@@ -26,9 +26,10 @@ struct ScanRecord {
 };
 
 /// Which device's line something was on.
-enum class RawLine : std::int32_t { kLaser, kTilt };
+enum class RawLine : std::int32_t { kLaser, kTilt, kGpio };
 
-/// Bytes as they were on the wire; of a CAN bus one frame, as a line of candump. Followed by `size_bytes` bytes.
+/// Bytes as they were on the wire; of a CAN bus one frame, as a line of candump, and of GPIO a change (GpioChange).
+/// Followed by `size_bytes` bytes.
 struct RawBytesRecord {
   std::int64_t stamp_ns = 0;  ///< of the last byte's arrival or departure
   std::int32_t size_bytes = 0;

@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
 
-#include <set>
 #include <string>
+#include <vector>
 
+#include "firmware/gpio/gpio_change.hpp"
+#include "firmware/gpio/gpio_recorder.hpp"
 #include "firmware/gpio/gpio_thread.hpp"
 #include "firmware/gpio/laser_power.hpp"
 #include "firmware/gpio/status_light.hpp"
+#include "tests/support/allocation_guard.hpp"
 
 // With lines that are there: tests/hil/gpio_test.py.
 namespace odoless {
@@ -48,13 +51,65 @@ TEST(StatusLight, HasAPatternOfItsOwnForEachState) {
   EXPECT_EQ(pattern(HealthState::kOk, true), "#.#.#.#.............");
 }
 
+TEST(GpioChange, IsTheSameAfterItsText) {
+  for (std::size_t pin = 0; pin < kGpioPinNames.size(); ++pin) {
+    for (std::size_t level = 0; level < kGpioLevelNames.size(); ++level) {
+      const GpioChange change{static_cast<GpioPin>(pin), static_cast<GpioLevel>(level)};
+      std::array<char, kGpioTextMax> buffer{};
+      EXPECT_EQ(parse_gpio_text(gpio_text(change, buffer)), change);
+    }
+  }
+  std::array<char, kGpioTextMax> buffer{};
+  EXPECT_EQ(gpio_text({GpioPin::kStop, GpioLevel::kLow}, buffer), "stop low\n");
+}
+
+TEST(GpioChange, IsNotReadFromOtherText) {
+  for (const char* const text :
+       {"", "\n", "stop", "stop\n", "stop low", "stop low\n\n", "stop  low\n", "low stop\n", "stop LOW\n", " low\n"}) {
+    EXPECT_EQ(parse_gpio_text(text), std::nullopt) << text;
+  }
+}
+
+/// What was told, one after the other: when, which way, and what.
+std::string told(Outbox& outbox) {
+  std::string all;
+  for (auto front = outbox.ring().front(); front; front = outbox.ring().front()) {
+    const auto record = record_of<RawBytesRecord>(front->bytes);
+    const auto bytes = elements_of<std::byte, RawBytesRecord>(front->bytes);
+    EXPECT_EQ(front->type, static_cast<std::uint32_t>(RecordType::kRawBytes));
+    EXPECT_EQ(record.line, RawLine::kGpio);
+    EXPECT_EQ(static_cast<std::size_t>(record.size_bytes), bytes.size());
+    all += std::to_string(record.stamp_ns) + (record.to_device == 0 ? " < " : " > ");
+    all.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    outbox.ring().pop();
+  }
+  return all;
+}
+
+TEST(GpioRecorder, TellsEachEdgeAndWhatALevelHasBecome) {
+  Outbox outbox(4096);
+  GpioRecorder recorder(outbox);
+  const AllocationGuard heap;
+  recorder.on_level(GpioPin::kStop, GpioLevel::kHigh, 1);
+  recorder.on_level(GpioPin::kStop, GpioLevel::kHigh, 2);
+  recorder.on_edge(GpioPin::kStop, false, 3);
+  recorder.on_edge(GpioPin::kStop, false, 4);  // the one between was dropped
+  recorder.on_level(GpioPin::kStop, GpioLevel::kLow, 5);
+  recorder.on_level(GpioPin::kPower, GpioLevel::kHigh, 6);
+  recorder.on_level(GpioPin::kStop, GpioLevel::kLost, 7);
+  recorder.on_level(GpioPin::kStop, GpioLevel::kLost, 8);
+  EXPECT_EQ(heap.calls(), 0);
+  EXPECT_EQ(told(outbox), "1 < stop high\n3 < stop low\n4 < stop low\n6 > power high\n7 < stop lost\n");
+}
+
 TEST(GpioThread, AStopLineThatIsNotThereIsAStop) {
   GpioParams params;
   params.stop_line = "odoless-no-such-line";
   GpioSignals signals;
   const MonotonicClock clock;
   const WakeUp wake;
-  GpioThread thread(params, signals, clock, wake);
+  Outbox outbox(4096);
+  GpioThread thread(params, signals, clock, wake, outbox);
   EXPECT_TRUE(signals.stopped);
   EXPECT_EQ(thread.start(), 0);
   for (int i = 0; i < 10; ++i) {
@@ -62,13 +117,15 @@ TEST(GpioThread, AStopLineThatIsNotThereIsAStop) {
     EXPECT_TRUE(signals.stopped);
     EXPECT_TRUE(signals.line_lost);
   }
+  EXPECT_TRUE(told(outbox).ends_with(" < stop lost\n"));
 }
 
 TEST(GpioThread, WithoutLinesNothingIsStoppedAndThereIsNoThread) {
   GpioSignals signals;
   const MonotonicClock clock;
   const WakeUp wake;
-  GpioThread thread({}, signals, clock, wake);
+  Outbox outbox(4096);
+  GpioThread thread({}, signals, clock, wake, outbox);
   EXPECT_EQ(thread.start(), 0);
   EXPECT_FALSE(signals.stopped);
   EXPECT_FALSE(signals.line_lost);

@@ -77,15 +77,19 @@ TEST_F(LcmLinkTap, TellsReceivedBytesFromSentOnes) {
   EXPECT_THAT(tap_.last<bot_core::raw_t>("ODOLESS_LRF_RAW_TX").data, ::testing::ElementsAre(0, 255, '\n'));
 }
 
-TEST_F(LcmLinkTap, TellsTheLasersBytesFromTheServos) {
+TEST_F(LcmLinkTap, TellsTheBytesOfTheLinesApart) {
   const std::vector<std::byte> bytes{std::byte{1}};
-  for (const std::int32_t to_device : {0, 1}) {
-    ASSERT_EQ(
-        link_.publish(RawBytesRecord{.stamp_ns = 7000, .size_bytes = 1, .to_device = to_device, .line = RawLine::kTilt},
-                      bytes),
-        Errc::kOk);
-    EXPECT_EQ(tap_.kept.back().channel, to_device == 0 ? "ODOLESS_TILT_RAW_RX" : "ODOLESS_TILT_RAW_TX");
-  }
+  const auto channel_of = [&](RawLine line, std::int32_t to_device) {
+    const RawBytesRecord raw{.stamp_ns = 7000, .size_bytes = 1, .to_device = to_device, .line = line};
+    EXPECT_EQ(link_.publish(raw, bytes), Errc::kOk);
+    return tap_.kept.back().channel;
+  };
+  EXPECT_EQ(channel_of(RawLine::kLaser, 0), "ODOLESS_LRF_RAW_RX");
+  EXPECT_EQ(channel_of(RawLine::kLaser, 1), "ODOLESS_LRF_RAW_TX");
+  EXPECT_EQ(channel_of(RawLine::kTilt, 0), "ODOLESS_TILT_RAW_RX");
+  EXPECT_EQ(channel_of(RawLine::kTilt, 1), "ODOLESS_TILT_RAW_TX");
+  EXPECT_EQ(channel_of(RawLine::kGpio, 0), "ODOLESS_GPIO_RAW_RX");
+  EXPECT_EQ(channel_of(RawLine::kGpio, 1), "ODOLESS_GPIO_RAW_TX");
 }
 
 TEST_F(LcmLinkTap, SendsAPoseThreeTimes) {
@@ -268,7 +272,7 @@ TEST(LcmLink, GoesOnWithoutANetworkAndStillRecords) {
 void publish_all(LcmLink& link, const std::vector<float>& ranges_m, const std::vector<std::uint8_t>& cells) {
   const ScanRecord scan = test::example_scan(static_cast<int>(ranges_m.size()));
   EXPECT_EQ(link.publish(scan, ranges_m), Errc::kOk);
-  for (const RawLine line : {RawLine::kLaser, RawLine::kTilt}) {
+  for (const RawLine line : {RawLine::kLaser, RawLine::kTilt, RawLine::kGpio}) {
     for (const std::int32_t to_device : {0, 1}) {
       const RawBytesRecord raw{.stamp_ns = 1000, .size_bytes = 4, .to_device = to_device, .line = line};
       EXPECT_EQ(link.publish(raw, std::as_bytes(std::span(cells).first(4))), Errc::kOk);
@@ -299,8 +303,9 @@ TEST(LcmLink, SendsOneOfEachToWhoeverListens) {
   params.raw_bytes = true;
   const Channels c;
   const std::vector<std::string> all{
-      c.tilt,     c.scan, c.lrf_raw_rx, c.lrf_raw_tx, c.motion,      c.pose,        c.pose_covariance, c.map_to_odom,
-      c.map_tile, c.map,  c.health,     c.lrf_status, c.scan_points, c.tilt_raw_rx, c.tilt_raw_tx};
+      c.tilt,        c.scan,        c.lrf_raw_rx, c.lrf_raw_tx, c.motion,     c.pose,        c.pose_covariance,
+      c.map_to_odom, c.map_tile,    c.map,        c.health,     c.lrf_status, c.scan_points, c.tilt_raw_rx,
+      c.tilt_raw_tx, c.gpio_raw_rx, c.gpio_raw_tx};
   LcmReceiver receiver(params, all);
   ASSERT_EQ(receiver.open(), Errc::kOk) << receiver.reason();
   LcmLink link(params, kMapCellsMax);

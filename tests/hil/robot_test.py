@@ -3,6 +3,7 @@
 import glob
 import os
 import signal
+import struct
 import subprocess
 import time
 import unittest
@@ -16,7 +17,12 @@ WIRED = """
 driver = "cia402"
 device = "vcan0"
 sample_period_ms = 20.0
+reply_timeout_ms = 500.0
+stall_timeout_ms = 1000.0
+heartbeat_period_ms = 500.0
 """
+# Whichever comes first when the daemon is up, which takes long on a busy host.
+STOPS = [word for begin_s in range(14, 200, 20) for word in ("--gpio-fault", f"stop@{begin_s}:3")]
 GPIO = """
 [gpio]
 stop_line = "bot-stop"
@@ -47,31 +53,36 @@ class RobotTest(DaemonTest):
     def start_recording(self, name, more=""):
         daemon = self.start_daemon(f'device = "{self.path("laser")}"',
                                    f'{WIRED}{more}[recorder]\npath = "{self.path(name)}"\n')
-        self.wait_for_scans(5, 30)
-        self.wait_until(self.obeys, 20, "obedience")
+        self.wait_for_scans(5, 60)
+        self.wait_until(self.obeys, 60, "obedience")
         return daemon
 
     def obeys(self):
         return "servo does not obey" not in (self.status() or "servo does not obey")
 
     def test_a_whole_robot_moves_stops_pulses_and_loses_its_power(self):
-        robot = self.start_driving("--gpio", "bot", "--gpio-fault", "stop@14:3", "--fault", "silence@20:3")
+        robot = self.start_driving("--gpio", "bot", *STOPS, "--fault", "silence@25:3",
+                                   "--fault", "silence@65:3", "--fault", "silence@105:3")
         daemon = self.start_recording("run", GPIO)
         self.wait_until(lambda: "sync pulse is missing" not in (self.status() or "sync pulse is missing"), 10, "pulses")
-        self.wait_until(lambda: "emergency stop" in self.status(), 20, "the stop")
-        self.wait_until(lambda: "emergency stop" not in self.status(), 6, "the release")
+        self.wait_for_a_stop()
+        self.wait_until(lambda: "no scans" in self.status(), 60, "the silence")
         scans = self.scans()
-        self.wait_until(lambda: "no scans" in self.status(), 15, "the silence")
-        self.wait_until(lambda: self.scans() > scans + 20, 15, "scans after the power cycle")
-        with open(self.path("daemon.log"), encoding="utf-8") as log:
-            self.assertNotIn("GPIO line", log.read())
+        self.wait_until(lambda: self.scans() > scans + 20, 30, "scans after the power cycle")
         self.finish(daemon, robot)
+        (log,) = glob.glob(self.path("run.*.lcm"))
+        self.assertNotIn(b"lost", b"".join(data for channel, data in messages(log) if "GPIO_RAW" in channel))
         self.assertFalse(os.path.exists("/sys/kernel/config/gpio-sim/bot"), "a chip that nobody uses is removed")
 
-    def test_recorded_bytes_of_laser_and_bus_come_again(self):
-        robot = self.start_driving()
-        daemon = self.start_recording("first", 'at_start = "sweep"\n')
-        time.sleep(3)
+    def wait_for_a_stop(self):
+        self.wait_until(lambda: "emergency stop" in self.status(), 60, "the stop")
+        self.wait_until(lambda: "emergency stop" not in self.status(), 15, "the release")
+        time.sleep(1)
+
+    def test_recorded_bytes_of_laser_and_bus_and_the_wires_come_again(self):
+        robot = self.start_driving("--gpio", "bot", *STOPS)
+        daemon = self.start_recording("first", 'at_start = "sweep"\n' + GPIO)
+        self.wait_for_a_stop()
         self.finish(daemon, robot)
         (log,) = glob.glob(self.path("first.*.lcm"))
         dump = b"".join(data[20:] for channel, data in messages(log) if channel.startswith("ODOLESS_TILT_RAW"))
@@ -79,25 +90,54 @@ class RobotTest(DaemonTest):
             file.write(dump)
         self.assertEqual(run("canplayer", "-I", self.path("bus.log"), "-t", "vcan0=vcan0").returncode, 0,
                          "the recorded frames are a log of candump")
-        robot = self.start_robot("--from-raw", log, stdout=subprocess.PIPE)
-        daemon = self.start_recording("second", 'at_start = "sweep"\n')
-        time.sleep(3)
+        robot = self.start_robot("--from-raw", log, "--gpio", "bot", stdout=subprocess.PIPE)
+        daemon = self.start_recording("second", 'at_start = "sweep"\n' + GPIO)
+        self.wait_for_a_stop()
         self.finish(daemon, robot)
         (again,) = glob.glob(self.path("second.*.lcm"))
         first, second = (self.ranges(path) for path in (log, again))
-        count = min(len(first), len(second))
-        self.assertGreater(count, 20)
-        self.assertEqual(first[:count], second[:count], "the ranges are the recorded ones to the bit")
+        common = [ranges for ranges in second if ranges in first]
+        # To the bit; a busy host may leave out a scan, in either run, but never change one.
+        self.assertGreater(len(common), 20)
+        self.assertGreater(len(common), 0.7 * min(len(first), len(second)))
+        places = [first.index(ranges) for ranges in common]
+        self.assertEqual(places, sorted(places), "in order")
         angles = [sum(channel == "ODOLESS_TILT" for channel, _ in messages(path)) for path in (log, again)]
-        print(f"  raw replay: {count} scans equal to the bit; {angles[0]} angles recorded, {angles[1]} again; "
+        print(f"  raw replay: {len(common)} scans of {len(first)} equal to the bit; {angles[0]} angles recorded, {angles[1]} again; "
               + " ".join(robot.stdout.read().split("\n")[2:]))
         self.assertGreater(angles[1], 0.7 * angles[0])
+        self.check_wires(log, again, common[0])
+
+    def check_wires(self, log, log_again, scan):
+        """Stop and pulses lie where they were after that scan; on a busy host a pulse may be left out, or a press late."""
+        (begin_s, wires), (again_s, wires_again) = self.stamps(log, scan), self.stamps(log_again, scan)
+        presses, presses_again = ([(stamp_s - start_s, text) for stamp_s, text in lines
+                                   if text.startswith(b"stop") and stamp_s > start_s]
+                                  for lines, start_s in ((wires, begin_s), (wires_again, again_s)))
+        count = min(len(presses), len(presses_again))
+        self.assertGreaterEqual(count, 2)
+        self.assertEqual([text for _, text in presses[:count]], [text for _, text in presses_again[:count]])
+        late_s = [b - a for (a, _), (b, _) in zip(presses, presses_again)]
+        pulses, pulses_again = (sum(text == b"sync high\n" for _, text in lines) for lines in (wires, wires_again))
+        print(f"  wires: stop pressed and released {late_s[0] * 1e3:.1f} and {late_s[1] * 1e3:.1f} ms off its place among "
+              f"the scans; {pulses} pulses recorded, {pulses_again} again")
+        self.assertLess(min(map(abs, late_s)), 0.1)
+        self.assertLess(max(map(abs, late_s)), 1.0)
+        self.assertGreater(pulses, 20)
+        self.assertGreater(pulses_again, 0.7 * pulses)
 
     def finish(self, daemon, robot):
         daemon.send_signal(signal.SIGTERM)
         self.assertEqual(daemon.wait(timeout=20), 0)
         robot.send_signal(signal.SIGTERM)
         robot.wait(timeout=5)
+
+    @staticmethod
+    def stamps(path, ranges):
+        """Of the scan with these ranges, in s; of the changes of inputs, each with its text."""
+        found = [(channel, struct.unpack(">q", data[8:16])[0] * 1e-6, data) for channel, data in messages(path)]
+        return (next(stamp_s for channel, stamp_s, data in found if channel == "ODOLESS_SCAN" and data[16:] == ranges),
+                [(stamp_s, data[20:]) for channel, stamp_s, data in found if channel == "ODOLESS_GPIO_RAW_RX"])
 
     @staticmethod
     def ranges(path):

@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "drivers/io/candump_text.hpp"
+#include "firmware/gpio/gpio_recorder.hpp"
 #include "firmware/lcm/channels.hpp"
+#include "firmware/lcm/lcm_link.hpp"
 #include "firmware/lcm/log_writer.hpp"
 #include "tests/support/run_command.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -14,6 +16,7 @@
 #include "tools/command/error.hpp"
 #include "tools/emulate/emulated_gpio.hpp"
 #include "tools/emulate/raw_player.hpp"
+#include "tools/emulate/recorded_gpio.hpp"
 
 namespace odoless {
 namespace {
@@ -91,6 +94,21 @@ TEST(RawPlayer, NeverSendsAPieceBeforeAnEarlierOne) {
   player.receive("B", kMs);  // sooner than it was recorded: its answer is due before that of A
   EXPECT_THAT(player.take_due(10 * kMs), IsEmpty());
   EXPECT_THAT(player.take_due(50 * kMs), ElementsAre("first", "second"));
+}
+
+TEST(RawPlayer, SaysWhenWhatIsOnAnotherLineIsDue) {
+  RawPlayer player({heard(0, "rest"), sent(10, "VV\n"), heard(20, "ok"), sent(100, "MD\n"), heard(110, "scan")});
+  EXPECT_EQ(player.due_ns(5'000), kNever) << "nobody has spoken to it";
+  player.receive("V", 1000 * kMs);
+  EXPECT_EQ(player.due_ns(5'000), 1005 * kMs);
+  EXPECT_EQ(player.due_ns(50'000), kNever);
+  player.receive("V\n", 2000 * kMs);
+  EXPECT_EQ(player.due_ns(50'000), 2040 * kMs);
+  EXPECT_EQ(player.due_ns(110'000), kNever) << "it is not known when the next command comes";
+  player.receive("MD\n", 9000 * kMs);
+  EXPECT_EQ(player.due_ns(110'000), 9010 * kMs) << "with the scan";
+  player.receive("MD\n", 9500 * kMs);
+  EXPECT_EQ(player.due_ns(110'000), 9010 * kMs) << "a command that is repeated moves nothing";
 }
 
 /// A drive and a session on a bus for some seconds, each millisecond; what the session hears, and what both say.
@@ -230,6 +248,95 @@ TEST(RawRecording, RefusesALogWithoutBytesOrWithDamagedOnes) {
   EXPECT_THROW(static_cast<void>(read_raw_recording(folder.path() / "run.00000.lcm")), DataError);
 }
 
+RawPiece change(std::int64_t time_ms, const char* text) { return {time_ms * 1000, false, text}; }
+
+/// When each input changes, in ms: "s" and "S" are the stop's falling and rising edge, "p" and "P" the pulse's.
+std::string changes_of(RobotWires& wires, std::int64_t step_ms, std::int64_t end_ms) {
+  std::string seen;
+  bool stop = wires.is_high(GpioPin::kStop);
+  bool sync = wires.is_high(GpioPin::kSync);
+  for (std::int64_t now_ms = 0; now_ms <= end_ms; now_ms += step_ms) {
+    for (bool again = true; again; again = wires.next_event_ns() <= now_ms * kMs) {
+      wires.tick(now_ms * kMs);
+      const auto note = [&](GpioPin pin, bool& was_high, const char* names) {
+        if (wires.is_high(pin) != was_high) {
+          was_high = !was_high;
+          seen += std::to_string(now_ms) + names[was_high ? 1 : 0] + ' ';
+        }
+      };
+      note(GpioPin::kStop, stop, "sS");
+      note(GpioPin::kSync, sync, "pP");
+    }
+  }
+  return seen;
+}
+
+TEST(RecordedGpio, PlaysStopAndPulsesWhenTheyAreDueAndNeverLosesAStop) {
+  const std::vector<RawPiece> pieces{change(0, "stop high\n"),  change(0, "sync low\n"),   change(10, "sync high\n"),
+                                     change(12, "sync low\n"),  change(13, "power low\n"), change(14, "stop low\n"),
+                                     change(15, "stop high\n"), change(16, "stop lost\n"), change(20, "sync high\n"),
+                                     change(22, "sync low\n"),  change(30, "sync high\n")};
+  const auto at_once = [](std::int64_t recorded_us) { return recorded_us * 1000; };
+  RecordedGpio punctual(pieces, at_once, "x.lcm");
+  EXPECT_EQ(changes_of(punctual, 1, 40), "10P 12p 14s 15S 20P 22p 30P ");
+  EXPECT_EQ(punctual.played(), punctual.recorded());
+  RecordedGpio held_up(pieces, at_once, "x.lcm");
+  EXPECT_EQ(changes_of(held_up, 25, 50), "25s 25S 50P ") << "pulses that are over when they are looked at are left out";
+  RecordedGpio never(
+      pieces, [](std::int64_t) { return kNever; }, "x.lcm");
+  EXPECT_EQ(changes_of(never, 1, 40), "");
+  EXPECT_EQ(never.next_event_ns(), kNever);
+}
+
+TEST(RecordedGpio, BeginsAtTheFirstRecordedLevels) {
+  const auto never = [](std::int64_t) { return kNever; };
+  const RecordedGpio pressed({change(5, "stop low\n"), change(6, "sync high\n"), change(9, "stop high\n")}, never, "");
+  EXPECT_FALSE(pressed.is_high(GpioPin::kStop));
+  EXPECT_TRUE(pressed.is_high(GpioPin::kSync));
+  const RecordedGpio nothing({}, never, "");
+  EXPECT_TRUE(nothing.is_high(GpioPin::kStop));
+  EXPECT_FALSE(nothing.is_high(GpioPin::kSync));
+  EXPECT_THROW(RecordedGpio({change(0, "stop off\n")}, never, "x.lcm"), DataError);
+}
+
+// The daemon's own way: from its GPIO thread's recorder through the publisher's link into a log, and out of it again.
+TEST(RecordedGpio, WhatTheDaemonRecordsIsPlayedWithTheLaser) {
+  const test::TemporaryFolder folder;
+  Outbox outbox(1 << 14);
+  GpioRecorder recorder(outbox);
+  recorder.on_level(GpioPin::kStop, GpioLevel::kHigh, 1000 * kMs);
+  recorder.on_level(GpioPin::kSync, GpioLevel::kLow, 1000 * kMs);
+  recorder.on_level(GpioPin::kPower, GpioLevel::kHigh, 1001 * kMs);
+  for (const std::int64_t turn_ms : {1025, 1050, 1075}) {
+    recorder.on_edge(GpioPin::kSync, true, turn_ms * kMs);
+    recorder.on_edge(GpioPin::kSync, false, (turn_ms + 2) * kMs);
+  }
+  recorder.on_edge(GpioPin::kStop, false, 1080 * kMs);
+  {
+    LogWriter writer({.path = (folder.path() / "run").string()});
+    LcmParams lcm;
+    lcm.url = "";
+    LcmLink link(lcm, 1);
+    link.set_tap(&writer);
+    record(writer, Channels().lrf_raw_tx, 1'010'000, "MD\n");
+    for (auto front = outbox.ring().front(); front; front = outbox.ring().front()) {
+      ASSERT_EQ(
+          link.publish(record_of<RawBytesRecord>(front->bytes), elements_of<std::byte, RawBytesRecord>(front->bytes)),
+          Errc::kOk);
+      outbox.ring().pop();
+    }
+  }
+  const auto path = folder.path() / "run.00000.lcm";
+  const RawRecording recording = read_raw_recording(path);
+  EXPECT_EQ(recording.gpio.size(), 10U);
+  RawPlayer laser(recording.laser);
+  RecordedGpio wires(
+      recording.gpio, [&](std::int64_t recorded_us) { return laser.due_ns(recorded_us); }, path);
+  EXPECT_EQ(changes_of(wires, 1, 50), "") << "the laser has not been spoken to";
+  laser.receive("MD\n", 100 * kMs);  // recorded at 1010 ms
+  EXPECT_EQ(changes_of(wires, 1, 300), "115P 117p 140P 142p 165P 167p 170s ");
+}
+
 TEST(EmulatedGpio, PressesTheStopAndGivesPulses) {
   EmulatedGpio gpio(
       {parse_fault("stop@0.05:0.01")}, [](std::int64_t i) { return (100 + 25 * i) * kMs; }, 0);
@@ -239,11 +346,11 @@ TEST(EmulatedGpio, PressesTheStopAndGivesPulses) {
   for (std::int64_t now_ns = 0; now_ns < 160 * kMs; now_ns = gpio.next_event_ns()) {
     gpio.tick(now_ns);
     ASSERT_GT(gpio.next_event_ns(), now_ns);
-    if (gpio.is_high(RobotPin::kSync) && !was_high) {
+    if (gpio.is_high(GpioPin::kSync) && !was_high) {
       rising_ms.push_back(now_ns / kMs);
     }
-    was_high = gpio.is_high(RobotPin::kSync);
-    if (!gpio.is_high(RobotPin::kStop)) {
+    was_high = gpio.is_high(GpioPin::kSync);
+    if (!gpio.is_high(GpioPin::kStop)) {
       pressed_ms.push_back(now_ns / kMs);
     }
   }
@@ -256,11 +363,11 @@ TEST(EmulatedGpio, LeavesOutPulsesThatAreLateOrSilenced) {
   EmulatedGpio gpio(
       {parse_fault("silence@0.2:0.05")}, [](std::int64_t i) { return 100 * i * kMs; }, 0);
   gpio.tick(150 * kMs);
-  EXPECT_FALSE(gpio.is_high(RobotPin::kSync)) << "held up: the pulses of 0 and 100 ms are over";
+  EXPECT_FALSE(gpio.is_high(GpioPin::kSync)) << "held up: the pulses of 0 and 100 ms are over";
   gpio.tick(200 * kMs);
-  EXPECT_FALSE(gpio.is_high(RobotPin::kSync));
+  EXPECT_FALSE(gpio.is_high(GpioPin::kSync));
   gpio.tick(300 * kMs);
-  EXPECT_TRUE(gpio.is_high(RobotPin::kSync));
+  EXPECT_TRUE(gpio.is_high(GpioPin::kSync));
   EXPECT_EQ(gpio.pulses(), 1);
 }
 

@@ -10,6 +10,7 @@
 #include "tools/command/emulate.hpp"
 #include "tools/command/emulate_devices.hpp"
 #include "tools/command/error.hpp"
+#include "tools/emulate/emulated_gpio.hpp"
 #include "tools/emulate/looped_gpio.hpp"
 
 namespace odoless {
@@ -34,9 +35,9 @@ void run(const EmulateGpioOptions& options) {
   const std::int64_t start_ns = monotonic_ns();
   EmulatedGpio gpio(gpio_faults(options.faults), even_pulses(options.pulse_period_ms, start_ns), start_ns);
   const std::unique_ptr<GpioSimChip> chip = make_robot_chip(options.name);
-  LoopedGpio looped(gpio, *chip, [&](RobotPin pin, bool high, std::int64_t now_ns) {
+  LoopedGpio looped(gpio, *chip, [&](GpioPin pin, bool high, std::int64_t now_ns) {
     say(fmt::format("{:.3f} {}-{} {}", static_cast<double>(now_ns - start_ns) * 1e-9, options.name,
-                    kRobotPinNames.at(static_cast<std::size_t>(pin)), high ? "high" : "low"));
+                    kGpioPinNames.at(static_cast<std::size_t>(pin)), high ? "high" : "low"));
   });
   const std::array<LoopedDevice*, 1> devices{&looped};
   serve_devices(devices, duration_ns(options.duration_s), false);
@@ -61,7 +62,7 @@ std::vector<Fault> gpio_faults(const std::vector<std::string>& texts) {
 
 std::unique_ptr<GpioSimChip> make_robot_chip(const std::string& name) {
   std::vector<std::string> lines;
-  for (const char* const pin : kRobotPinNames) {
+  for (const char* const pin : kGpioPinNames) {
     lines.push_back(fmt::format("{}-{}", name, pin));
   }
   auto chip = std::make_unique<GpioSimChip>(name, lines);

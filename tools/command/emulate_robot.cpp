@@ -11,9 +11,11 @@
 #include "tools/command/emulate.hpp"
 #include "tools/command/emulate_devices.hpp"
 #include "tools/command/error.hpp"
+#include "tools/emulate/emulated_gpio.hpp"
 #include "tools/emulate/looped_gpio.hpp"
 #include "tools/emulate/looped_recording.hpp"
 #include "tools/emulate/lrf_emulator.hpp"
+#include "tools/emulate/recorded_gpio.hpp"
 
 namespace odoless {
 namespace {
@@ -58,8 +60,8 @@ void run_emulated(const EmulateRobotOptions& options) {
   std::optional<LoopedGpio> looped_gpio;
   if (!options.gpio.empty()) {
     chip = make_robot_chip(options.gpio);
-    devices.push_back(&looped_gpio.emplace(gpio, *chip, [&](RobotPin pin, bool high, std::int64_t now_ns) {
-      if (pin == RobotPin::kPower) {
+    devices.push_back(&looped_gpio.emplace(gpio, *chip, [&](GpioPin pin, bool high, std::int64_t now_ns) {
+      if (pin == GpioPin::kPower) {
         laser.device->set_power(high, now_ns);
       }
     }));
@@ -75,8 +77,7 @@ void tell_counts(const char* device, const RawPlayer& player) {
                   counts.answered, counts.repeated, counts.sent, counts.unknown));
 }
 
-void run_recorded(const EmulateRobotOptions& options) {
-  RawRecording recording = read_raw_recording(options.from_raw);
+void check_lines(const EmulateRobotOptions& options, const RawRecording& recording) {
   if (options.has_laser_line() == recording.laser.empty() || options.has_servo() == recording.servo.empty()) {
     throw UsageError(fmt::format("--from-raw {}: it has {} laser and {} servo; expected a line for each that it has",
                                  options.from_raw, recording.laser.empty() ? "no" : "a",
@@ -87,8 +88,30 @@ void run_recorded(const EmulateRobotOptions& options) {
                                  recording.servo_is_on_can ? "CAN; expected --servo-can INTERFACE"
                                                            : "a serial line; expected --servo-pty PATH"));
   }
-  RawPlayer laser(std::move(recording.laser));
-  RawPlayer servo(std::move(recording.servo), recording.servo_is_on_can ? sizeof(CanFrame) : 1);
+  if (!options.gpio.empty() && recording.gpio.empty()) {
+    throw UsageError(fmt::format("--from-raw {}: it has no GPIO lines; expected no --gpio", options.from_raw));
+  }
+  if (options.gpio.empty() && recording.laser.empty() && recording.servo.empty()) {
+    throw UsageError(fmt::format("--from-raw {}: it has GPIO lines alone; expected --gpio NAME", options.from_raw));
+  }
+}
+
+/// When a change of the wires is due: together with the laser's bytes; without a laser with the servo's, and without
+/// any from now on.
+RecordedGpio::DueTime due_with(const RawRecording& recording, const RawPlayer& laser, const RawPlayer& servo) {
+  if (recording.laser.empty() && recording.servo.empty()) {
+    const std::int64_t offset_ns = monotonic_ns() - recording.gpio.front().time_us * 1000;
+    return [offset_ns](std::int64_t recorded_us) { return recorded_us * 1000 + offset_ns; };
+  }
+  const RawPlayer& leader = recording.laser.empty() ? servo : laser;
+  return [&leader](std::int64_t recorded_us) { return leader.due_ns(recorded_us); };
+}
+
+void run_recorded(const EmulateRobotOptions& options) {
+  const RawRecording recording = read_raw_recording(options.from_raw);
+  check_lines(options, recording);
+  RawPlayer laser(recording.laser);
+  RawPlayer servo(recording.servo, recording.servo_is_on_can ? sizeof(CanFrame) : 1);
   std::unique_ptr<ServoLine> laser_line;
   std::unique_ptr<ServoLine> servo_line;
   std::vector<std::unique_ptr<LoopedRecording>> looped;
@@ -105,9 +128,17 @@ void run_recorded(const EmulateRobotOptions& options) {
   }
   std::vector<LoopedDevice*> devices;
   std::transform(looped.begin(), looped.end(), std::back_inserter(devices), [](const auto& one) { return one.get(); });
+  RecordedGpio wires(recording.gpio, due_with(recording, laser, servo), options.from_raw);
+  std::unique_ptr<GpioSimChip> chip;
+  std::optional<LoopedGpio> looped_gpio;
+  if (!options.gpio.empty()) {
+    chip = make_robot_chip(options.gpio);
+    devices.push_back(&looped_gpio.emplace(wires, *chip, [](GpioPin, bool, std::int64_t) {}));
+  }
   serve_devices(devices, duration_ns(options.laser.duration_s), options.laser.stop_at_end);
   tell_counts("laser", laser);
   tell_counts("servo", servo);
+  say(fmt::format("wires: {} of {} changes played", wires.played(), wires.recorded()));
 }
 
 void add_servo_options(CLI::App& command, EmulateServoOptions& servo) {

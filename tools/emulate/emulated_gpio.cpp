@@ -50,8 +50,8 @@ std::int64_t EmulatedGpio::next_event_ns() const {
   return next_ns;
 }
 
-bool EmulatedGpio::is_high(RobotPin input) const {
-  return input == RobotPin::kSync ? is_pulse_ : active_fault(faults_, FaultKind::kStop, now_ns_ - start_ns_) == nullptr;
+bool EmulatedGpio::is_high(GpioPin input) const {
+  return input == GpioPin::kSync ? is_pulse_ : active_fault(faults_, FaultKind::kStop, now_ns_ - start_ns_) == nullptr;
 }
 
 }  // namespace odoless

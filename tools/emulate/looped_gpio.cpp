@@ -5,13 +5,13 @@
 
 namespace odoless {
 
-LoopedGpio::LoopedGpio(EmulatedGpio& gpio, GpioSimChip& chip, OnOutput on_output)
-    : gpio_(gpio), chip_(chip), on_output_(std::move(on_output)) {}
+LoopedGpio::LoopedGpio(RobotWires& wires, GpioSimChip& chip, OnOutput on_output)
+    : wires_(wires), chip_(chip), on_output_(std::move(on_output)) {}
 
 void LoopedGpio::step(std::int64_t now_ns) {
-  gpio_.tick(now_ns);
+  wires_.tick(now_ns);
   for (std::size_t i = 0; i < driven_.size(); ++i) {
-    if (const bool high = gpio_.is_high(static_cast<RobotPin>(i)); high != driven_[i]) {
+    if (const bool high = wires_.is_high(static_cast<GpioPin>(i)); high != driven_[i]) {
       chip_.set(i, high);
       driven_[i] = high;
     }
@@ -25,17 +25,17 @@ void LoopedGpio::step(std::int64_t now_ns) {
 void LoopedGpio::look(std::int64_t now_ns) {
   for (std::size_t i = 0; i < seen_.size(); ++i) {
     const bool high = chip_.value(i).value_or(false);
-    if (i < kRobotInputs) {
+    if (i < kGpioInputs) {
       if (high != driven_[i]) {  // whoever opens a line may ask for a pull, which gpio-sim takes for the wire
         chip_.set(i, driven_[i]);
       }
     } else if (high != seen_[i]) {
-      on_output_(static_cast<RobotPin>(i), high, now_ns);
+      on_output_(static_cast<GpioPin>(i), high, now_ns);
     }
     seen_[i] = high;
   }
 }
 
-std::int64_t LoopedGpio::next_event_ns() const { return std::min(gpio_.next_event_ns(), next_look_ns_); }
+std::int64_t LoopedGpio::next_event_ns() const { return std::min(wires_.next_event_ns(), next_look_ns_); }
 
 }  // namespace odoless

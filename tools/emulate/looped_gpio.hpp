@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "tools/emulate/device_loop.hpp"
-#include "tools/emulate/emulated_gpio.hpp"
 #include "tools/emulate/gpio_sim_chip.hpp"
+#include "tools/emulate/robot_wires.hpp"
 
 namespace odoless {
 
@@ -14,10 +14,10 @@ namespace odoless {
 class LoopedGpio final : public LoopedDevice {
  public:
   /// A pin that the daemon drives has changed: power or light.
-  using OnOutput = std::function<void(RobotPin pin, bool high, std::int64_t now_ns)>;
+  using OnOutput = std::function<void(GpioPin pin, bool high, std::int64_t now_ns)>;
 
   /// Both must outlive it.
-  LoopedGpio(EmulatedGpio& gpio, GpioSimChip& chip, OnOutput on_output);
+  LoopedGpio(RobotWires& wires, GpioSimChip& chip, OnOutput on_output);
 
   void step(std::int64_t now_ns) override;
   [[nodiscard]] pollfd waits_for() override { return {.fd = -1, .events = 0, .revents = 0}; }
@@ -28,11 +28,11 @@ class LoopedGpio final : public LoopedDevice {
 
   void look(std::int64_t now_ns);
 
-  EmulatedGpio& gpio_;
+  RobotWires& wires_;
   GpioSimChip& chip_;
   OnOutput on_output_;
-  std::array<bool, kRobotInputs> driven_{};
-  std::array<bool, kRobotPinNames.size()> seen_{};
+  std::array<bool, kGpioInputs> driven_{};
+  std::array<bool, kGpioPinNames.size()> seen_{};
   std::int64_t next_look_ns_ = 0;
 };
 

@@ -5,15 +5,22 @@
 #include <utility>
 
 namespace odoless {
+namespace {
+
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+
+}  // namespace
 
 RawPlayer::RawPlayer(std::vector<RawPiece> pieces, std::size_t unit_bytes)
     : pieces_(std::move(pieces)), unit_bytes_(unit_bytes), used_(pieces_.size(), false) {}
 
 void RawPlayer::schedule(std::size_t from, std::int64_t recorded_us, std::int64_t now_ns) {
+  offset_ns_ = now_ns - recorded_us * 1000;
   std::size_t i = from;
   for (; i < pieces_.size() && !pieces_[i].to_device; ++i) {
-    due_ns_[i] = now_ns + (pieces_[i].time_us - recorded_us) * 1000;
+    due_ns_[i] = pieces_[i].time_us * 1000 + offset_ns_;
   }
+  next_command_ = i;
   last_scheduled_ = last_scheduled_ || i == pieces_.size();
 }
 
@@ -103,8 +110,13 @@ std::vector<std::string> RawPlayer::take_due(std::int64_t now_ns) {
   return due;
 }
 
+std::int64_t RawPlayer::due_ns(std::int64_t recorded_us) const {
+  const bool is_known =
+      was_addressed_ && (next_command_ == pieces_.size() || recorded_us < pieces_[next_command_].time_us);
+  return is_known ? recorded_us * 1000 + offset_ns_ : kNever;
+}
+
 std::int64_t RawPlayer::next_event_ns() const {
-  constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
   return std::min(due_ns_.empty() ? kNever : due_ns_.begin()->second,
                   repeated_.empty() ? kNever : repeated_.begin()->first);
 }

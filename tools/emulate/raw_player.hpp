@@ -41,6 +41,10 @@ class RawPlayer {
   /// When the next one is; far in the future: none is.
   [[nodiscard]] std::int64_t next_event_ns() const;
 
+  /// When something that was recorded then, on another line, is due, so that both stay together; far in the future:
+  /// before it, this device was sent a command that the client hasn't sent yet, or it was never spoken to at all.
+  [[nodiscard]] std::int64_t due_ns(std::int64_t recorded_us) const;
+
   /// Everything that answers the last command that was sent so far, and all before, was sent, and none is left.
   [[nodiscard]] bool is_over() const { return last_scheduled_ && due_ns_.empty(); }
   [[nodiscard]] const RawPlayCounts& counts() const { return counts_; }
@@ -68,6 +72,8 @@ class RawPlayer {
   std::multimap<std::int64_t, std::size_t> repeated_;  ///< answers that are sent once more, by when they are due
   std::string heard_;
   bool was_addressed_ = false;
+  std::int64_t offset_ns_ = 0;    ///< from a recorded time to when it is played, since the last answer
+  std::size_t next_command_ = 0;  ///< the first behind that answer
   bool last_scheduled_ = false;
   RawPlayCounts counts_;
 };

@@ -89,6 +89,8 @@ void add(RawRecording& recording, const lcm_eventlog_event_t& event, const std::
     recording.laser.push_back(decoded(event, to_device, path));
   } else if (channel.ends_with("TILT_RAW_RX") || channel.ends_with("TILT_RAW_TX")) {
     add_servo(recording, decoded(event, to_device, path));
+  } else if (channel.ends_with("GPIO_RAW_RX") || channel.ends_with("GPIO_RAW_TX")) {
+    recording.gpio.push_back(decoded(event, to_device, path));
   }
 }
 
@@ -103,9 +105,9 @@ RawRecording read_raw_recording(const std::filesystem::path& path) {
   while (const std::unique_ptr<lcm_eventlog_event_t, EventDeleter> event{lcm_eventlog_read_next_event(log.get())}) {
     add(recording, *event, path);
   }
-  if (recording.laser.empty() && recording.servo.empty()) {
+  if (recording.laser.empty() && recording.servo.empty() && recording.gpio.empty()) {
     throw DataError(
-        path.string(), 0, "no bytes of a laser or a servo",
+        path.string(), 0, "no bytes of a laser or a servo, and no changes of GPIO lines",
         "an LCM log of odolessd's recorder (recorder.path), whose channels LRF_RAW_RX and others have them");
   }
   return recording;

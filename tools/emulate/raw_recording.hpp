@@ -18,10 +18,11 @@ struct RawPiece {
 struct RawRecording {
   std::vector<RawPiece> laser;
   std::vector<RawPiece> servo;
+  std::vector<RawPiece> gpio;  ///< a GpioChange each
   bool servo_is_on_can = false;
 };
 
-/// Reads bot_core.raw_t of an LCM log, from the channels that end in LRF_RAW_RX and _TX, TILT_RAW_RX and _TX. Of a
+/// Reads bot_core.raw_t of an LCM log, from the channels that end in LRF_RAW_, TILT_RAW_ and GPIO_RAW_RX and _TX. Of a
 /// CAN bus, what answers nothing and is answered by nothing is left out (echoes of SYNC, error frames, the daemon's
 /// heartbeat and process data), and each answer stands behind its own question: SDO after SDO, process data after SYNC.
 ///
