@@ -5,21 +5,19 @@
 #include <mrpt/hwdrivers/CRoboPeakLidar.h>
 #include <mrpt/hwdrivers/CSickLaserSerial.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
-#include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "tests/support/run_command.hpp"
+#include "tests/support/command_process.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tools/sim/ray_caster.hpp"
 #include "tools/sim/world_file.hpp"
@@ -30,31 +28,12 @@ namespace {
 constexpr const char* kWorld = "room 0 0  8 5\nbox 6 3  1 0.6\nspeed 0.01\ngo 3 2  3.01 2\n";
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
-/// `odoless emulate lrf` in a process of its own.
-class Emulator {
- public:
-  Emulator(const std::string& model, const std::string& world, const std::string& pty) {
-    process_ = ::fork();
-    if (process_ == 0) {
-      const std::vector<const char*> argv{"odoless",     "emulate",      "lrf",       "--from",
-                                          world.c_str(), "--pty",        pty.c_str(), "--model",
-                                          model.c_str(), "--noise-sd-m", "0"};
-      ::_exit(run_command_line(static_cast<int>(argv.size()), argv.data()));
-    }
-    for (int i = 0; i < 500 && !std::filesystem::exists(pty); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+void wait_for(const std::string& path) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (!std::filesystem::exists(path) && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  Emulator(const Emulator&) = delete;
-  Emulator& operator=(const Emulator&) = delete;
-  ~Emulator() {
-    ::kill(process_, SIGTERM);
-    ::waitpid(process_, nullptr, 0);
-  }
-
- private:
-  pid_t process_ = -1;
-};
+}
 
 /// As their users do: again where a busy machine was too slow for the client's patience. (Some clients have it
 /// private.)
@@ -106,7 +85,12 @@ class Mrpt : public ::testing::Test {
   /// Starts the laser and gives the client its configuration.
   template <class Client>
   void connect(Client& client, const std::string& model, const std::string& settings) {
-    emulator_ = std::make_unique<Emulator>(model, folder_.file("a.world", kWorld), pty_);
+    if (emulator_) {
+      emulator_->stop(SIGTERM);  // which takes its link away
+    }
+    emulator_.emplace(std::vector<std::string>{"emulate", "lrf", "--from", folder_.file("a.world", kWorld), "--pty",
+                                               pty_, "--model", model, "--noise-sd-m", "0"});
+    wait_for(pty_);
     client.loadConfig(mrpt::config::CConfigFileMemory("[laser]\nCOM_port_LIN = " + pty_ + "\n" + settings +
                                                       "pose_x = 0\npose_y = 0\npose_z = 0\npose_yaw = 0\n"
                                                       "pose_pitch = 0\npose_roll = 0\n"),
@@ -115,7 +99,7 @@ class Mrpt : public ::testing::Test {
 
   test::TemporaryFolder folder_;
   std::string pty_ = folder_.path() / "laser";
-  std::unique_ptr<Emulator> emulator_;
+  std::optional<test::CommandProcess> emulator_;
 };
 
 TEST_F(Mrpt, ReadsAHokuyoUtm) {
