@@ -13,6 +13,7 @@ import time
 import unittest
 
 from support import SOURCES, WORLD, DaemonCase, run
+from host_watch import keep_promise  # found by support
 
 SPIN = os.path.join(SOURCES, "tools", "worlds", "spin.world")
 PERIOD_S = 0.025  # of the emulated UTM-30LX
@@ -23,7 +24,7 @@ class DaemonTest(DaemonCase):
     def test_maps_what_an_emulated_laser_sees_and_keeps_every_promise_of_real_time(self):
         self.start_laser("--truth", self.path("truth.tum"))
         daemon = self.start_daemon("--enforce-realtime")
-        self.wait_until(lambda: self.state() == "OK", 10)
+        self.wait_until_ok()
         time.sleep(8)
         asked = time.monotonic()
         daemon.send_signal(signal.SIGTERM)
@@ -43,29 +44,53 @@ class DaemonTest(DaemonCase):
     def test_flags_a_laser_that_dies_within_two_periods_and_has_it_back_within_a_second(self):
         laser = self.start_laser()
         self.start_daemon()
-        self.wait_until(lambda: self.state() == "OK", 10)
-        laser.kill()
-        killed = time.monotonic()
-        self.wait_until(lambda: self.answer("status")[:2] != "OK", 1, pause_s=0.001)
-        self.assertLess(time.monotonic() - killed, 2 * PERIOD_S + self.answer_s())
-        laser.wait()
-        self.wait_until(lambda: self.state().startswith("FAULT"), 3)
-        os.remove(self.path("laser"))
-        self.start_laser()
-        self.assertLess(self.wait_until(lambda: not self.state().startswith("FAULT"), 10), 1.0)
-        self.wait_until(lambda: self.state() == "OK" or "refused" in self.state(), 10)
+
+        def time_to_flag_it():
+            self.wait_until_ok()
+            laser.kill()
+            return self.time_to_notice()
+
+        def time_to_have_it_back():
+            nonlocal laser
+            laser.kill()
+            laser.wait()
+            self.wait_until(lambda: self.state().startswith("FAULT"), 30)
+            os.remove(self.path("laser"))
+            laser = self.start_laser()
+            back_s = self.wait_until(lambda: not self.state().startswith("FAULT"), 30)
+            self.wait_until(lambda: self.state() == "OK" or "refused" in self.state(), 30)
+            return back_s
+
+        def time_to_flag_another():
+            if laser.poll() is not None:
+                time_to_have_it_back()
+            return time_to_flag_it()
+
+        keep_promise(self, 2 * PERIOD_S, time_to_flag_another)
+        keep_promise(self, 1.0, time_to_have_it_back)
+
+    def time_to_notice(self):
+        """Until the daemon says that not all is well, but for the time that its answer takes."""
+        noticed_s = self.wait_until(lambda: self.answer("status")[:2] != "OK", 10, pause_s=0.001)
+        return noticed_s - self.answer_s()
 
     def test_reads_a_laser_on_a_network_and_has_it_back_after_it_was_gone(self):
         laser = self.start("odoless", "emulate", "lrf", "--from", WORLD, "--tcp", 0, stdout=subprocess.PIPE)
         address = laser.stdout.readline().split()[-1]
         self.config = self.write_config("tcp.toml", device=address)
         self.start_daemon("--enforce-realtime")
-        self.wait_until(lambda: self.state() == "OK", 10)
-        laser.kill()
-        laser.wait()
-        self.wait_until(lambda: "opened" in self.state(), 1)
-        self.start("odoless", "emulate", "lrf", "--from", WORLD, "--tcp", address.split(":")[-1])
-        self.assertLess(self.wait_until(lambda: "opened" not in self.state() and "no scans" not in self.state(), 10), 2.0)
+
+        def time_to_have_it_back():
+            nonlocal laser
+            self.wait_until(lambda: "opened" not in self.state() and "no scans" not in self.state(), 30)
+            laser.kill()
+            laser.wait()
+            self.wait_until(lambda: "opened" in self.state(), 10)
+            laser = self.start("odoless", "emulate", "lrf", "--from", WORLD, "--tcp", address.split(":")[-1])
+            return self.wait_until(lambda: "opened" not in self.state() and "no scans" not in self.state(), 30)
+
+        self.wait_until_ok()
+        keep_promise(self, 2.0, time_to_have_it_back)
 
     def test_refuses_an_address_that_makes_no_sense(self):
         outcome = run("odolessd", "--config", self.write_config("name.toml", device="tcp://laser:10940"))
@@ -75,21 +100,24 @@ class DaemonTest(DaemonCase):
     def test_flags_a_laser_that_falls_silent_within_two_periods(self):
         laser = self.start_laser()  # its line stays open: only the time tells
         self.start_daemon()
-        self.wait_until(lambda: self.state() == "OK", 10)
-        time.sleep(1)
-        laser.send_signal(signal.SIGSTOP)
-        stopped = time.monotonic()
-        self.wait_until(lambda: self.answer("status")[:2] != "OK", 1, pause_s=0.001)
-        self.assertLess(time.monotonic() - stopped, 2 * PERIOD_S + self.answer_s())
-        laser.send_signal(signal.SIGCONT)
-        self.wait_until(lambda: self.state() == "OK", 10)
+
+        def time_to_flag_it():
+            self.wait_until_ok()
+            time.sleep(1)
+            laser.send_signal(signal.SIGSTOP)
+            noticed_s = self.time_to_notice()
+            laser.send_signal(signal.SIGCONT)
+            return noticed_s
+
+        keep_promise(self, 2 * PERIOD_S, time_to_flag_it)
+        self.wait_until_ok()
 
     def test_comes_through_every_fault_of_its_laser(self):
         faults = ("garbage@2:1", "wrong-sum@4:1", "truncate@6:1", "reboot@8", "silence@11:1", "stuck@14:1", "one-byte@16:1")
         arguments = [word for fault in faults for word in ("--fault", fault)]
         self.start_laser("--start-delay-s", "60", *arguments)  # the robot stands: only the laser misbehaves
         daemon = self.start_daemon("--enforce-realtime")
-        self.wait_until(lambda: self.state() == "OK", 10)
+        self.wait_until_ok()
         time.sleep(18)
         self.wait_until(lambda: self.state() == "OK" or "refused" in self.state(), 10)
         daemon.send_signal(signal.SIGTERM)
@@ -107,7 +135,7 @@ class DaemonTest(DaemonCase):
     def test_obeys_commands(self):
         self.start_laser()
         daemon = self.start_daemon()
-        self.wait_until(lambda: self.state() == "OK", 10)
+        self.wait_until_ok()
         self.assertEqual(self.ctl("pause").stdout, "ok\n")
         self.wait_until(lambda: "paused" in self.state(), 2)
         self.assertEqual(self.ctl("resume").stdout, "ok\n")
@@ -125,7 +153,7 @@ class DaemonTest(DaemonCase):
     def test_refuses_a_laser_that_another_daemon_reads(self):
         self.start_laser()
         self.start_daemon()
-        self.wait_until(lambda: self.state() == "OK", 10)
+        self.wait_until_ok()
         second = run("odolessd", "--config", self.config)
         self.assertEqual(second.returncode, EX_UNAVAILABLE, second.stderr)
         self.assertIn(self.path("laser"), second.stderr)
@@ -156,19 +184,21 @@ class DaemonTest(DaemonCase):
         self.start_servo("--echoes")
         self.start_laser()
         daemon = self.start_daemon("--enforce-realtime")
-        self.wait_until(lambda: self.state() == "OK", 10)
+        self.wait_until_ok()
         self.assertEqual(self.ctl("tilt", "sweep").stdout, "ok\n")
-        self.wait_until(lambda: "not level" in self.state(), 2)
-        before = self.held_back()
+        self.wait_until(lambda: "not level" in self.state(), 10)
+        accepted, held_back = self.scans()
         time.sleep(1.5)
+        accepted, held_back = (now - before for now, before in zip(self.scans(), (accepted, held_back)))
+        self.assertGreater(accepted, 20)
         # Of a sweep of 60 deg at 60 deg/s, 2 deg are level, and a scan must begin and end there.
-        self.assertGreater(self.held_back() - before, 0.6 * 1.5 / PERIOD_S, "scans of another plane reach the 2D map")
+        self.assertGreater(held_back, 0.6 * accepted, "scans of another plane reach the 2D map")
         self.assertEqual(self.ctl("tilt", "level").stdout, "ok\n")
-        self.wait_until(lambda: "not level" not in self.state(), 3)
+        self.wait_until(lambda: "not level" not in self.state(), 10)
         time.sleep(0.2)
-        before = self.held_back()
+        _, before = self.scans()
         time.sleep(0.5)
-        self.assertEqual(self.held_back(), before)
+        self.assertEqual(self.scans()[1], before)
         self.assertIn("level, sweep, stop", self.ctl("tilt", "up").stderr)
         daemon.send_signal(signal.SIGTERM)
         self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
@@ -176,8 +206,10 @@ class DaemonTest(DaemonCase):
         with open(self.path("run.00000.lcm"), "rb") as file:
             self.assertGreater(file.read().count(b"ODOLESS_TILT"), 30)
 
-    def held_back(self):
-        return int(re.search(r"(\d+) not level", self.answer("status"))[1])
+    def scans(self):
+        """Accepted, and held back of these."""
+        found = re.search(r"scans (\d+) accepted.* (\d+) not level", self.answer("status"))
+        return int(found[1]), int(found[2])
 
     def test_takes_the_motion_out_of_each_scan_where_it_is_told_to(self):
         errors_deg = {}
@@ -187,7 +219,7 @@ class DaemonTest(DaemonCase):
                                self.path("laser"), "--distortion", "--truth", self.path("truth.tum"))
             self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
             daemon = self.start_daemon("--enforce-realtime")
-            self.wait_until(lambda: self.state() == "OK", 10)
+            self.wait_until_ok()
             time.sleep(5)
             daemon.send_signal(signal.SIGTERM)
             self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
@@ -234,7 +266,7 @@ class DaemonTest(DaemonCase):
         said = float(run("odoless", "memory", self.config).stdout.strip().split("\n")[-1].split()[0])
         self.start_laser()
         daemon = self.start_daemon()
-        self.wait_until(lambda: self.state() == "OK", 10)
+        self.wait_until_ok()
         with open(f"/proc/{daemon.pid}/status", encoding="utf-8") as file:
             locked = next(line for line in file if line.startswith("VmLck"))
         locked_mb = float(locked.split()[1]) * 1024e-6

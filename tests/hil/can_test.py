@@ -7,6 +7,7 @@ import time
 import unittest
 
 from support import DaemonTest, program, run
+from host_watch import keep_promise  # found by support
 
 LASER = 'device = "/nonexistent/laser"'
 NOT_LEVEL, DISOBEYS = "not level", "servo does not obey"
@@ -79,24 +80,35 @@ class CanTest(DaemonTest):
         self.start_servo()
         self.start_tilting()
         self.wait_until_it_obeys(20)
-        run("ip", "link", "set", "vcan0", "down")
-        self.wait_until(lambda: not self.obeys(), 2, "the flag")
-        time.sleep(1)
-        run("ip", "link", "set", "vcan0", "up")
-        self.assertLess(self.wait_until_it_obeys(10), 1.0)
+
+        def time_to_obey():
+            run("ip", "link", "set", "vcan0", "down")
+            self.wait_until(lambda: not self.obeys(), 10, "the flag")
+            time.sleep(1)
+            run("ip", "link", "set", "vcan0", "up")
+            return self.wait_until_it_obeys(20)
+
+        keep_promise(self, 1.0, time_to_obey)
 
     def test_error_frames_and_a_flood_of_id_0_are_survived(self):
         self.start_servo()
         self.start_tilting()
         self.wait_until_it_obeys(20)
-        run("cansend", "vcan0", "20000040#0000000000000000")  # bus off
-        self.wait_until(lambda: not self.obeys(), 2, "the flag")
-        self.assertLess(self.wait_until_it_obeys(10), 1.0)
-        flood = self.start("cangen", "vcan0", "-I", "000", "-L", "8", "-D", "8001000000000000", "-g", "1")
-        time.sleep(2)
-        flood.kill()
-        flood.wait()
-        self.assertLess(self.wait_until_it_obeys(10), 1.0)
+
+        def time_after_bus_off():
+            run("cansend", "vcan0", "20000040#0000000000000000")
+            self.wait_until(lambda: not self.obeys(), 10, "the flag")
+            return self.wait_until_it_obeys(20)
+
+        def time_after_a_flood():
+            flood = self.start("cangen", "vcan0", "-I", "000", "-L", "8", "-D", "8001000000000000", "-g", "1")
+            time.sleep(2)
+            flood.kill()
+            flood.wait()
+            return self.wait_until_it_obeys(20)
+
+        keep_promise(self, 1.0, time_after_bus_off)
+        keep_promise(self, 1.0, time_after_a_flood)
 
     def test_a_servo_that_dies_is_flagged_and_had_again(self):
         servo = self.start_servo()
@@ -104,7 +116,7 @@ class CanTest(DaemonTest):
         self.wait_until_it_obeys(20)
         servo.kill()
         servo.wait()
-        self.wait_until(lambda: not self.obeys(), 1.0, "the flag")
+        self.wait_until(lambda: not self.obeys(), 10, "the flag")
         self.start_servo()
-        self.wait_until_it_obeys(5)
+        self.wait_until_it_obeys(20)
 

@@ -87,17 +87,34 @@ class GpioTest(DaemonTest):
         with open(self.path("truth.tum"), encoding="ascii") as truth:
             return float(truth.readlines()[-1].split()[0])
 
-    def scan_stamps_s(self):
+    def recorded(self, wanted):
+        """(stamp in s, data behind it) of that channel's messages."""
         (log,) = glob.glob(self.path("run.*.lcm"))
-        return [struct.unpack(">q", data[8:16])[0] * 1e-6 for channel, data in messages(log) if channel == "ODOLESS_SCAN"]
+        return [(struct.unpack(">q", data[8:16])[0] * 1e-6, data[16:]) for channel, data in messages(log)
+                if channel == wanted]
+
+    def scan_stamps_s(self):
+        return [stamp_s for stamp_s, _ in self.recorded("ODOLESS_SCAN")]
+
+    def last_power_off_s(self):
+        def has_both():
+            switched = [(stamp_s, data[4:]) for stamp_s, data in self.recorded("ODOLESS_GPIO_RAW_TX")
+                        if data[4:].startswith(b"power")]
+            return [text for _, text in switched[-2:]] == [b"power low\n", b"power high\n"] and switched
+
+        self.wait_until(has_both, 10, "its record")
+        (off_s, _), (on_s, _) = has_both()[-2:]
+        return on_s - off_s
 
     def test_a_dead_laser_is_switched_off_and_on(self):
         laser = self.start_with_laser(power_line="odo-power", power_cycle_after_ms=1500.0, power_off_ms=500.0)
         self.assertEqual(self.gpio.value("odo-power"), 1)
         laser.kill()
         self.assertGreater(self.wait_until(lambda: self.gpio.value("odo-power") == 0, 5, "power off"), 1.0)
-        off_s = self.wait_until(lambda: self.gpio.value("odo-power") == 1, 5, "power on")
-        self.assertAlmostEqual(off_s, 0.5, delta=0.2)
+        self.wait_until(lambda: self.gpio.value("odo-power") == 1, 5, "power on")
+        off_s = self.last_power_off_s()  # as the daemon's own stamps have it
+        self.assertGreaterEqual(off_s, 0.5)
+        self.assertLess(off_s, 0.7)
         self.start_laser("--pty", self.path("laser"))
         self.wait_for_scans(3, 10)
         time.sleep(2)
@@ -105,13 +122,20 @@ class GpioTest(DaemonTest):
 
     def test_the_status_light_shows_the_state(self):
         laser = self.start_with_laser(led_line="odo-led")
-        light = self.light_for(4)  # without a filter, the state is INIT: a second on, a second off
-        self.assertAlmostEqual(self.share_on(light), 0.5, delta=0.2)
-        self.assertIn(self.changes(light), (3, 4, 5))
+        # Without a filter, the state is INIT: a second on, a second off. A busy host disturbs it now and then.
+        self.wait_for_light(4, lambda light: 0.3 < self.share_on(light) < 0.7 and 3 <= self.changes(light) <= 5)
         laser.kill()
-        self.wait_until(lambda: "FAULT" in self.status(), 5, "the fault")
-        time.sleep(0.5)
-        self.assertGreater(self.changes(self.light_for(2)), 15)
+        self.wait_until(lambda: "FAULT" in self.status(), 10, "the fault")
+        self.wait_for_light(2, lambda light: self.changes(light) > 15)
+
+    def wait_for_light(self, seconds, is_right):
+        seen = []
+        for _ in range(6):
+            seen.append(self.light_for(seconds))
+            if is_right(seen[-1]):
+                return
+        self.fail(f"on for {[round(self.share_on(light), 2) for light in seen]} of the time, "
+                  f"with {[self.changes(light) for light in seen]} changes")
 
     def light_for(self, seconds):
         """Moments, and whether it shone."""

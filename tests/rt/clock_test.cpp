@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <ctime>
+#include <limits>
 #include <memory>
 
 #include "rt/cpu_clock.hpp"
@@ -18,17 +20,34 @@ struct ClockCase {
   std::unique_ptr<Clock> (*make)();
 };
 
+void PrintTo(const ClockCase& clock, std::ostream* out) { *out << clock.name; }
+
+/// How long the quickest of a few tries takes: whatever else the machine does makes them slower, never quicker.
+template <class Act>
+std::int64_t quickest_ns(const Act& act) {
+  std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
+  for (int i = 0; i < 5; ++i) {
+    const std::int64_t start_ns = monotonic_ns();
+    act();
+    least_ns = std::min(least_ns, monotonic_ns() - start_ns);
+  }
+  return least_ns;
+}
+
 class ClockContract : public ::testing::TestWithParam<ClockCase> {};
 
 TEST_P(ClockContract, IsAtTheStampThatWasSleptForOrLater) {
   const auto clock = GetParam().make();
   std::int64_t wanted_ns = clock->now_ns();
+  std::int64_t least_late_ns = std::numeric_limits<std::int64_t>::max();
   for (int i = 0; i < 10; ++i) {
     wanted_ns += i * kMillisecond_ns / 4;
     clock->sleep_until(wanted_ns);
-    ASSERT_GE(clock->now_ns(), wanted_ns);
-    ASSERT_LT(clock->now_ns(), wanted_ns + 1'000 * kMillisecond_ns);
+    const std::int64_t late_ns = clock->now_ns() - wanted_ns;
+    ASSERT_GE(late_ns, 0);
+    least_late_ns = std::min(least_late_ns, late_ns);
   }
+  EXPECT_LT(least_late_ns, 1'000 * kMillisecond_ns);
 }
 
 TEST_P(ClockContract, NeverRunsBackwards) {
@@ -44,11 +63,12 @@ TEST_P(ClockContract, NeverRunsBackwards) {
 TEST_P(ClockContract, ReturnsAtOnceFromAStampThatHasPassed) {
   const auto clock = GetParam().make();
   clock->sleep_until(clock->now_ns() + kMillisecond_ns);
-  const std::int64_t start_ns = monotonic_ns();
-  clock->sleep_until(clock->now_ns() - 3'600'000 * kMillisecond_ns);
-  clock->sleep_until(0);
-  clock->sleep_until(-kMillisecond_ns);
-  EXPECT_LT(monotonic_ns() - start_ns, 500 * kMillisecond_ns);
+  const std::int64_t least_ns = quickest_ns([&] {
+    clock->sleep_until(clock->now_ns() - 3'600'000 * kMillisecond_ns);
+    clock->sleep_until(0);
+    clock->sleep_until(-kMillisecond_ns);
+  });
+  EXPECT_LT(least_ns, 500 * kMillisecond_ns);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -97,22 +117,24 @@ TEST(ReplayClock, IsExactlyAtTheStampsOfTheLog) {
 
 TEST(ReplayClock, KeepsTheRateAfterTheFirstStamp) {
   for (const double rate : {1.0, 4.0}) {
-    ReplayClock clock(rate);
-    const std::int64_t start_ns = monotonic_ns();
-    clock.sleep_until(kLog_ns);
-    clock.sleep_until(kLog_ns + 40 * kMillisecond_ns);
+    const std::int64_t least_ns = quickest_ns([rate] {
+      ReplayClock clock(rate);
+      clock.sleep_until(kLog_ns);
+      clock.sleep_until(kLog_ns + 40 * kMillisecond_ns);
+    });
     const std::int64_t wanted_ns = static_cast<std::int64_t>(40 * kMillisecond_ns / rate);
-    EXPECT_GE(monotonic_ns() - start_ns, wanted_ns);
-    EXPECT_LT(monotonic_ns() - start_ns, wanted_ns + 500 * kMillisecond_ns);
+    EXPECT_GE(least_ns, wanted_ns);
+    EXPECT_LT(least_ns, wanted_ns + 500 * kMillisecond_ns);
   }
 }
 
 TEST(ReplayClock, OfRateZeroDoesNotSleep) {
-  ReplayClock clock(0.0);
-  const std::int64_t start_ns = monotonic_ns();
-  clock.sleep_until(kLog_ns);
-  clock.sleep_until(kLog_ns + 3'600'000 * kMillisecond_ns);
-  EXPECT_LT(monotonic_ns() - start_ns, 500 * kMillisecond_ns);
+  const std::int64_t least_ns = quickest_ns([] {
+    ReplayClock clock(0.0);
+    clock.sleep_until(kLog_ns);
+    clock.sleep_until(kLog_ns + 3'600'000 * kMillisecond_ns);
+  });
+  EXPECT_LT(least_ns, 500 * kMillisecond_ns);
 }
 
 }  // namespace

@@ -2,16 +2,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <thread>
 #include <tuple>
 
 #include "rt/cpu_clock.hpp"
+#include "tests/support/command_process.hpp"
 #include "tests/support/run_command.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/tools/emulate_support.hpp"
@@ -24,40 +26,8 @@ using ::testing::HasSubstr;
 
 constexpr const char* kWorld = "room 0 0  8 4\nspeed 1\ngo 1 2  1.5 2\n";
 
-/// `odoless emulate lrf` in a process of its own.
-class Emulator {
- public:
-  explicit Emulator(const std::vector<std::string>& options) {
-    process_ = ::fork();
-    if (process_ == 0) {
-      std::vector<const char*> argv{"odoless", "emulate", "lrf"};
-      for (const std::string& option : options) {
-        argv.push_back(option.c_str());
-      }
-      ::_exit(run_command_line(static_cast<int>(argv.size()), argv.data()));
-    }
-  }
-  Emulator(const Emulator&) = delete;
-  Emulator& operator=(const Emulator&) = delete;
-  ~Emulator() { static_cast<void>(stop(SIGKILL)); }
-
-  /// Its exit status, or -1.
-  int stop(int signal) {
-    if (process_ <= 0) {
-      return -1;
-    }
-    ::kill(process_, signal);
-    int status = 0;
-    ::waitpid(std::exchange(process_, -1), &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
- private:
-  pid_t process_ = -1;
-};
-
 FileDescriptor open_when_there(const std::string& path) {
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 3000; ++i) {
     if (Result<FileDescriptor> port = open_serial({.path = path}); port.ok()) {
       return port.take();
     }
@@ -66,9 +36,14 @@ FileDescriptor open_when_there(const std::string& path) {
   return {};
 }
 
-/// What the owner of a session does, until that many scans were heard or ten seconds have passed.
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values.at(values.size() / 2);
+}
+
+/// What the owner of a session does, until that many scans were heard or a minute has passed.
 void listen(const FileDescriptor& port, LrfSession& session, test::Heard& heard, std::size_t scans) {
-  const std::int64_t end_ns = monotonic_ns() + 10 * test::kSecond;
+  const std::int64_t end_ns = monotonic_ns() + 60 * test::kSecond;
   session.reset(monotonic_ns());
   while (heard.scans.size() < scans && monotonic_ns() < end_ns) {
     if (session.line_baud() != 0 && session.line_baud() != serial_baud(port.get())) {
@@ -90,7 +65,8 @@ TEST(EmulateLrf, ServesARealTerminalAndTellsTheTruth) {
   const test::TemporaryFolder folder;
   const std::string pty = folder.path() / "laser";
   const std::string truth = folder.path() / "truth.tum";
-  Emulator emulator({"--from", folder.file("a.world", kWorld), "--pty", pty, "--truth", truth});
+  test::CommandProcess emulator(
+      {"emulate", "lrf", "--from", folder.file("a.world", kWorld), "--pty", pty, "--truth", truth});
   const auto session = make_lrf_session({}, 2048);
   test::Heard first;
   {
@@ -116,12 +92,14 @@ TEST(EmulateLrf, ServesARealTerminalAndTellsTheTruth) {
     stamps_s.push_back(std::stod(line));
   }
   EXPECT_GE(stamps_s.size(), first.scans.size() + second.scans.size());
-  const double heard_s = static_cast<double>(second.scans.back().stamp_ns + offset_ns) * 1e-9;
-  double nearest_s = 1e9;
-  for (const double stamp_s : stamps_s) {
-    nearest_s = std::min(nearest_s, std::abs(stamp_s - heard_s));
+  std::vector<double> errors_s;
+  for (const test::HeardScan& scan : second.scans) {
+    const double heard_s = static_cast<double>(scan.stamp_ns + offset_ns) * 1e-9;
+    const auto after = std::lower_bound(stamps_s.begin(), stamps_s.end(), heard_s);
+    const double after_s = after == stamps_s.end() ? 1e9 : *after - heard_s;
+    errors_s.push_back(after == stamps_s.begin() ? after_s : std::min(after_s, heard_s - *(after - 1)));
   }
-  EXPECT_LT(nearest_s, 0.01);
+  EXPECT_LT(median(errors_s), 0.005) << "a busy machine makes some late";
   EXPECT_EQ(session->counters().rejected, 0U);
 }
 
@@ -141,7 +119,8 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
     const test::TemporaryFolder folder;
     const std::string pty = folder.path() / "laser";
     const std::string world = folder.file("a.world", "room 0 0  8 4\nspeed 0.01\ngo 1 2  1.01 2\n");
-    const Emulator emulator({"--from", world, "--pty", pty, "--model", model, "--noise-sd-m", "0"});
+    const test::CommandProcess emulator(
+        {"emulate", "lrf", "--from", world, "--pty", pty, "--model", model, "--noise-sd-m", "0"});
     const auto session = make_lrf_session(params, 2048);
     test::Heard heard;
     const FileDescriptor port = open_when_there(pty);
@@ -151,9 +130,12 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
     EXPECT_EQ(session->line_baud(), serial_baud(port.get()));
     EXPECT_EQ(session->counters().rejected, 0U);
     EXPECT_NEAR(heard.scans.back().ranges_m[ahead], 7.0, 0.02);
-    const std::int64_t since_ns = heard.scans.back().stamp_ns - heard.scans[heard.scans.size() - 2].stamp_ns;
+    std::vector<double> since_ns;  // the scan before
+    for (std::size_t i = 1; i < heard.scans.size(); ++i) {
+      since_ns.push_back(static_cast<double>(heard.scans[i].stamp_ns - heard.scans[i - 1].stamp_ns));
+    }
     const auto period_ns = static_cast<double>(session->geometry().period_ns);
-    EXPECT_NEAR(static_cast<double>(since_ns), period_ns, 0.2 * period_ns);
+    EXPECT_NEAR(median(since_ns), period_ns, 0.2 * period_ns) << "a busy machine makes some late";
   }
 }
 
@@ -164,7 +146,7 @@ TEST(Probe, FindsOutWhichProtocolALaserSpeaks) {
     const test::TemporaryFolder folder;
     const std::string pty = folder.path() / "laser";
     const std::string world = folder.file("a.world", kWorld);
-    const Emulator emulator({"--from", world, "--pty", pty, "--model", model});
+    const test::CommandProcess emulator({"emulate", "lrf", "--from", world, "--pty", pty, "--model", model});
     ASSERT_TRUE(open_when_there(pty).valid());
     const test::Outcome outcome = test::run({"probe", pty, "--patience-s", "4"});
     EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
@@ -172,10 +154,12 @@ TEST(Probe, FindsOutWhichProtocolALaserSpeaks) {
   }
 }
 
-TEST(EmulateLrf, ServesALogAtItsRecordedPace) {
+// At which pace: emulate_session_test.cpp, in made-up time.
+TEST(EmulateLrf, ServesALogInItsOrder) {
+  constexpr int kScans = 12;
   const test::TemporaryFolder folder;
   std::string log;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < kScans; ++i) {
     log += "FLASER 181";
     for (int beam = 0; beam < 181; ++beam) {
       log += fmt::format(" {}", 1.0 + 0.1 * i + 0.01 * beam);
@@ -183,18 +167,24 @@ TEST(EmulateLrf, ServesALogAtItsRecordedPace) {
     log += fmt::format(" 0 0 0 0 0 0 {} host {}\n", 100 + 0.1 * i, 0.1 * i);
   }
   const std::string pty = folder.path() / "laser";
-  Emulator emulator({"--from", folder.file("a.log", log), "--pty", pty, "--rate", "2"});
+  const test::CommandProcess emulator(
+      {"emulate", "lrf", "--from", folder.file("a.log", log), "--pty", pty, "--rate", "2"});
   const auto session = make_lrf_session({}, 2048);
   test::Heard heard;
   const FileDescriptor port = open_when_there(pty);
   ASSERT_TRUE(port.valid());
-  listen(port, *session, heard, 10);
-  ASSERT_GE(heard.scans.size(), 10U);
-  for (std::size_t i = 1; i < 10; ++i) {
-    EXPECT_NEAR(static_cast<double>(heard.scans[i].stamp_ns - heard.scans[i - 1].stamp_ns), 50.0 * kMs, 3.0 * kMs);
-    EXPECT_NEAR(heard.scans[i].ranges_m[540], 1.9 + 0.1 * static_cast<double>(i), 0.001) << "straight ahead";
-    EXPECT_TRUE(std::isinf(heard.scans[i].ranges_m[0])) << "beyond what was recorded";
+  listen(port, *session, heard, kScans);
+  ASSERT_GE(heard.scans.size(), static_cast<std::size_t>(kScans));
+  int last = -1;
+  for (const test::HeardScan& scan : heard.scans) {
+    const double recorded = (scan.ranges_m[540] - 1.9) / 0.1;  // straight ahead
+    const int index = static_cast<int>(std::lround(recorded));
+    EXPECT_NEAR(recorded, index, 0.01);
+    EXPECT_TRUE(index > last || (index == last && last == kScans - 1)) << index << " after " << last;
+    EXPECT_TRUE(std::isinf(scan.ranges_m[0])) << "beyond what was recorded";
+    last = index;
   }
+  EXPECT_LT(last, kScans);
 }
 
 TEST(EmulateLrf, StopsAtTheEndOrAfterItsTime) {

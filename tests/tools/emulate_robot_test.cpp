@@ -111,6 +111,15 @@ TEST(RawPlayer, SaysWhenWhatIsOnAnotherLineIsDue) {
   EXPECT_EQ(player.due_ns(110'000), 9010 * kMs) << "a command that is repeated moves nothing";
 }
 
+TEST(RawPlayer, ACommandThatWasLeftOutAtFirstTakesTheOtherLinesBackToNothing) {
+  RawPlayer player({sent(0, "A"), sent(10, "B"), heard(11, "b"), sent(100, "C"), heard(110, "scan")});
+  player.receive("A", 0);
+  player.receive("C", 1000 * kMs);
+  EXPECT_EQ(player.due_ns(200'000), 1100 * kMs);
+  player.receive("B", 2000 * kMs);
+  EXPECT_EQ(player.due_ns(200'000), 1100 * kMs);
+}
+
 /// A drive and a session on a bus for some seconds, each millisecond; what the session hears, and what both say.
 template <class Receive, class Take>
 std::vector<double> angles_of(const Receive& to_drive, const Take& from_drive, std::vector<RawPiece>* record) {

@@ -9,6 +9,7 @@
 #include "drivers/lrf/scip/replies.hpp"
 #include "tests/tools/emulate_stream.hpp"
 #include "tests/tools/emulate_support.hpp"
+#include "tools/emulate/log_source.hpp"
 
 namespace odoless {
 namespace {
@@ -63,6 +64,28 @@ TEST(ScipSession, BringsEveryModelUpAndHearsItsScans) {
                 static_cast<double>(model.beam_list().back().time_ns - model.beam_list().front().time_ns), 2000.0);
     EXPECT_EQ(bench.session().counters().rejected, 0U);
     EXPECT_EQ(bench.session().counters().scans, bench.sent().size());
+  }
+}
+
+TEST(ScipSession, HearsALogAtItsRecordedPace) {
+  constexpr int kScans = 40;
+  ScanLog log;
+  for (int i = 0; i < kScans; ++i) {
+    log.scans.push_back({.stamp_ns = 100 * kSecond + i * 100 * kMs + (i % 3) * 20 * kMs,
+                         .start_angle_rad = -1.0,
+                         .angle_step_rad = 0.01,
+                         .ranges_m = std::vector<float>(201, 1.0F + 0.1F * static_cast<float>(i))});
+  }
+  const std::vector<LogScan> recorded = log.scans;
+  Bench bench("utm-30lx", std::make_unique<LogSource>(test::period_ns_of("utm-30lx"), std::move(log), 2.0), {}, {});
+  bench.reset();
+  bench.run(3 * kSecond);
+  const std::vector<test::HeardScan>& heard = bench.heard().scans;
+  ASSERT_GE(heard.size(), recorded.size());
+  for (std::size_t i = 0; i < recorded.size(); ++i) {
+    const double wanted_ns = static_cast<double>(recorded[i].stamp_ns - recorded[0].stamp_ns) / 2.0;
+    EXPECT_NEAR(static_cast<double>(heard[i].stamp_ns - heard[0].stamp_ns), wanted_ns, 2.0 * kMs) << i;
+    EXPECT_NEAR(heard[i].ranges_m[540], recorded[i].ranges_m[100], 0.001) << "straight ahead";
   }
 }
 

@@ -72,9 +72,13 @@ class Bench {
  public:
   explicit Bench(const std::string& model = "utm-30lx", EmulatedLrfOptions options = {}, LrfParams params = {},
                  WorldDrive drive = small_drive())
+      : Bench(model, std::make_unique<WorldSource>(period_ns_of(model), std::move(drive)), std::move(options), params) {
+  }
+
+  Bench(const std::string& model, std::unique_ptr<ScanSource> source, EmulatedLrfOptions options, LrfParams params)
       : name_(model),
-        source_(period_ns_of(model), std::move(drive)),
-        device_(make_emulated_lrf(model, source_, std::move(options), now_ns_)),
+        source_(std::move(source)),
+        device_(make_emulated_lrf(model, *source_, std::move(options), now_ns_)),
         session_(make_lrf_session(params, 2048)) {}
 
   /// Lets that time pass, a quarter of a millisecond at a time.
@@ -96,7 +100,7 @@ class Bench {
   [[nodiscard]] LrfSession& session() { return *session_; }
   [[nodiscard]] const ScipModel& model() const { return *find_scip_model(name_); }
   [[nodiscard]] EmulatedLrf& device() { return *device_; }
-  [[nodiscard]] WorldSource& source() { return source_; }
+  [[nodiscard]] ScanSource& source() { return *source_; }
   [[nodiscard]] const std::vector<SentScan>& sent() const { return sent_; }
   [[nodiscard]] const std::string& written() const { return written_; }
 
@@ -127,7 +131,7 @@ class Bench {
 
   std::int64_t now_ns_ = 1000 * kSecond;
   std::string name_;
-  WorldSource source_;
+  std::unique_ptr<ScanSource> source_;
   std::unique_ptr<EmulatedLrf> device_;
   std::unique_ptr<LrfSession> session_;
   Heard heard_;

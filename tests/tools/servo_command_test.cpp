@@ -4,9 +4,11 @@
 #include <poll.h>
 
 #include <chrono>
+#include <csignal>
 #include <thread>
 
 #include "rt/cpu_clock.hpp"
+#include "tests/support/command_process.hpp"
 #include "tests/support/run_command.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/tools/servo_support.hpp"
@@ -67,11 +69,9 @@ TEST(EmulateServo, ADynamixelIsServedOverARealTerminal) {
   params.heartbeat_period_ns = 800 * kServoMs;
   const auto session = make_tilt_session(params);
   test::HeardTilt heard;
-  std::thread owner([&] { serve(params, *session, heard, monotonic_ns() + 20 * kServoSecond); });
-  const test::Outcome emulation =
-      test::run({"emulate", "servo", "--dynamixel", "--pty", params.device, "--echoes", "--duration-s", "6"});
-  owner.join();
-  EXPECT_EQ(emulation.status, 0) << emulation.err;
+  test::CommandProcess emulator({"emulate", "servo", "--dynamixel", "--pty", params.device, "--echoes"});
+  serve(params, *session, heard, monotonic_ns() + 60 * kServoSecond);
+  EXPECT_EQ(emulator.stop(SIGTERM), 0);
   EXPECT_EQ(session->state(), TiltState::kLevel);
   EXPECT_GT(heard.samples.size(), 5U);
   EXPECT_GT(session->counters().echoes, 5U);

@@ -15,12 +15,15 @@ RawPlayer::RawPlayer(std::vector<RawPiece> pieces, std::size_t unit_bytes)
     : pieces_(std::move(pieces)), unit_bytes_(unit_bytes), used_(pieces_.size(), false) {}
 
 void RawPlayer::schedule(std::size_t from, std::int64_t recorded_us, std::int64_t now_ns) {
-  offset_ns_ = now_ns - recorded_us * 1000;
+  const std::int64_t offset_ns = now_ns - recorded_us * 1000;
   std::size_t i = from;
   for (; i < pieces_.size() && !pieces_[i].to_device; ++i) {
-    due_ns_[i] = pieces_[i].time_us * 1000 + offset_ns_;
+    due_ns_[i] = pieces_[i].time_us * 1000 + offset_ns;
   }
-  next_command_ = i;
+  if (i >= next_command_) {  // a command that was left out before, and comes later, leads back to nothing
+    offset_ns_ = offset_ns;
+    next_command_ = i;
+  }
   last_scheduled_ = last_scheduled_ || i == pieces_.size();
 }
 
