@@ -13,7 +13,7 @@ import time
 import unittest
 
 from support import SOURCES, WORLD, DaemonCase, run
-from host_watch import keep_promise  # found by support
+from host_watch import HostWatch, keep_promise  # found by support
 
 SPIN = os.path.join(SOURCES, "tools", "worlds", "spin.world")
 PERIOD_S = 0.025  # of the emulated UTM-30LX
@@ -212,26 +212,34 @@ class DaemonTest(DaemonCase):
         return int(found[1]), int(found[2])
 
     def test_takes_the_motion_out_of_each_scan_where_it_is_told_to(self):
-        errors_deg = {}
-        for name, deskew in (("straightened", "true"), ("skewed", "false")):
-            self.config = self.write_config(name + ".toml", lrf=f"deskew = {deskew}\n")
-            laser = self.start("odoless", "emulate", "lrf", "--from", SPIN, "--model", "urg-04lx", "--pty",
-                               self.path("laser"), "--distortion", "--truth", self.path("truth.tum"))
-            self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
-            daemon = self.start_daemon("--enforce-realtime")
-            self.wait_until_ok()
-            time.sleep(5)
-            daemon.send_signal(signal.SIGTERM)
-            self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
-            laser.kill()
-            laser.wait()
-            self.assertEqual(self.summary()["heap_calls"], 0)
-            ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/trajectory_online.tum"), "--json")
-            self.assertLess(json.loads(ate.stdout)["translation_m"]["rmse"], 0.10, name)
-            errors_deg[name] = json.loads(ate.stdout)["rotation_deg"]["median"]
-        print(f"yaw at half a turn a second: {errors_deg['straightened']:.2f} deg off (median) with each scan straightened, "
-              f"{errors_deg['skewed']:.2f} deg without")
-        self.assertLess(errors_deg["straightened"], 0.75 * errors_deg["skewed"])
+        for _ in range(3):
+            with HostWatch() as host:
+                straightened, skewed = (self.errors_of_spinning(deskew) for deskew in ("true", "false"))
+            print(f"yaw at half a turn a second: {straightened[1]:.2f} deg off (median) with each scan straightened, "
+                  f"{skewed[1]:.2f} deg without; the machine withheld {host.withheld_s:.2f} s")
+            if max(straightened[0], skewed[0]) < 0.10 and straightened[1] < 0.75 * skewed[1]:
+                return
+            # A daemon that gets no processor skips scans, and errs by that instead.
+            self.assertGreater(host.withheld_s, 1.0, "straightening did not help, or the daemon lost its way")
+        self.fail("in three attempts the machine was too busy")
+
+    def errors_of_spinning(self, deskew):
+        """Of the positions in m (RMS), and of the yaw in degrees (median)."""
+        self.config = self.write_config(f"deskew_{deskew}.toml", lrf=f"deskew = {deskew}\n")
+        laser = self.start("odoless", "emulate", "lrf", "--from", SPIN, "--model", "urg-04lx", "--pty", self.path("laser"),
+                           "--distortion", "--truth", self.path("truth.tum"))
+        self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
+        daemon = self.start_daemon("--enforce-realtime")
+        self.wait_until_ok()
+        time.sleep(5)
+        daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+        laser.kill()
+        laser.wait()
+        self.assertEqual(self.summary()["heap_calls"], 0)
+        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/trajectory_online.tum"), "--json")
+        errors = json.loads(ate.stdout)
+        return errors["translation_m"]["rmse"], errors["rotation_deg"]["median"]
 
     def test_goes_on_with_a_servo_that_stalls_or_dies_and_says_so(self):
         self.use_servo('at_start = "sweep"\n')
