@@ -48,6 +48,9 @@ Machine::Machine(DaemonOptions& options)
   if (matcher_) {
     matcher_loop_ = std::make_unique<MatcherLoop>(pipeline_, *matcher_, params.matcher_budget_ns, has_filter(stages_));
   }
+  if (!filter_ && options.params.lcm.send_again) {
+    publisher_.link().send_again();
+  }
   if (filter_) {
     filter_loop_ = std::make_unique<FilterLoop>(pipeline_, *filter_, params, options.params.lcm.map_refresh_s);
     if (options.params.mapping_in_use()) {
@@ -68,10 +71,10 @@ std::unique_ptr<ScanSource> Machine::make_source(DaemonOptions& options) {
     return std::move(options.source);
   }
   if (!has_matcher(stages_)) {
-    return std::make_unique<LcmSource>(params.lcm, channels.scan, channels.motion, beams_max);
+    return std::make_unique<LcmSource>(params.lcm, channels, beams_max);
   }
   if (params.lrf.driver == LrfDriver::kLcm) {
-    return std::make_unique<LcmSource>(params.lcm, params.lrf.channel, "", beams_max);
+    return std::make_unique<LcmSource>(params.lcm, params.lrf.channel, beams_max);
   }
   reads_laser_ = true;
   auto laser = std::make_unique<LrfSource>(params.lrf, beams_max, line_);

@@ -5,12 +5,14 @@ namespace odoless {
 Channels::Channels(std::string_view prefix) {
   const auto named = [prefix](std::string_view name) { return std::string(prefix).append(name); };
   scan = named("SCAN");
+  scan_again = named("SCAN_AGAIN");
   lrf_raw_rx = named("LRF_RAW_RX");
   lrf_raw_tx = named("LRF_RAW_TX");
   tilt_raw_rx = named("TILT_RAW_RX");
   tilt_raw_tx = named("TILT_RAW_TX");
   tilt = named("TILT");
   motion = named("MOTION");
+  motion_again = named("MOTION_AGAIN");
   pose = named("POSE");
   pose_covariance = named("POSE_COVARIANCE");
   map_to_odom = named("MAP_TO_ODOM");

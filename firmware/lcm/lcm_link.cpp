@@ -58,7 +58,9 @@ LcmLink::LcmLink(const LcmParams& params, std::size_t map_cells_max)
       messages_(std::make_unique<Messages>()),
       buffer_(kMessageMaxBytes),
       // Halving rounds up: a single row of cells only becomes half of them.
-      halved_cells_(map_cells_max / 2 + 1) {}
+      halved_cells_(map_cells_max / 2 + 1),
+      last_scan_message_{.again_channel = channels_.scan_again},
+      last_motion_message_{.again_channel = channels_.motion_again} {}
 
 LcmLink::~LcmLink() = default;
 
@@ -89,6 +91,12 @@ Errc LcmLink::open() {
   return Errc::kOk;
 }
 
+void LcmLink::send_again() {
+  sends_again_ = true;
+  last_scan_message_.message.reserve(kMessageMaxBytes);
+  last_motion_message_.message.reserve(kMessageMaxBytes);
+}
+
 Errc LcmLink::refuse_too_long() {
   ++counters_.too_long;
   return Errc::kTooLong;
@@ -102,13 +110,27 @@ Errc LcmLink::send(const std::string& channel, const Message& message) {
   }
   const int written_bytes = message.encode(buffer_.data(), 0, static_cast<int>(buffer_.size()));
   ODOLESS_CHECK(written_bytes == size_bytes);
+  const std::span<const std::byte> bytes(buffer_.data(), static_cast<std::size_t>(size_bytes));
   if (tap_ != nullptr) {
     // As lcm-logger stamps what it hears; a replay's own stamps may be of another clock than those of its health.
     const auto now = std::chrono::system_clock::now().time_since_epoch();
-    tap_->record(channel, {buffer_.data(), static_cast<std::size_t>(size_bytes)},
-                 std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+    tap_->record(channel, bytes, std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
   }
-  return transmit(channel, static_cast<std::size_t>(size_bytes));
+  return transmit(channel, bytes);
+}
+
+template <class Message>
+Errc LcmLink::send_twice(const std::string& channel, const Message& message, Last& last) {
+  if (!sends_again_) {
+    return send(channel, message);
+  }
+  if (!last.message.empty()) {
+    static_cast<void>(transmit(last.again_channel, last.message));  // counted
+  }
+  const Errc error = send(channel, message);
+  const auto size_bytes = error == Errc::kTooLong ? 0 : message.getEncodedSize();
+  last.message.assign(buffer_.begin(), buffer_.begin() + size_bytes);
+  return error;
 }
 
 bool LcmLink::is_raw(const std::string& channel) const {
@@ -116,7 +138,7 @@ bool LcmLink::is_raw(const std::string& channel) const {
          channel == channels_.tilt_raw_tx;
 }
 
-Errc LcmLink::transmit(const std::string& channel, std::size_t size_bytes) {
+Errc LcmLink::transmit(const std::string& channel, std::span<const std::byte> message) {
   if (params_.url.empty()) {
     return Errc::kOk;
   }
@@ -124,12 +146,12 @@ Errc LcmLink::transmit(const std::string& channel, std::size_t size_bytes) {
     return Errc::kOk;
   }
   if (lcm_ == nullptr ||
-      lcm_publish(lcm_.get(), channel.c_str(), buffer_.data(), static_cast<unsigned int>(size_bytes)) != 0) {
+      lcm_publish(lcm_.get(), channel.c_str(), message.data(), static_cast<unsigned int>(message.size())) != 0) {
     ++counters_.errors;
     return Errc::kUnavailable;
   }
   ++counters_.messages;
-  counters_.bytes += static_cast<std::int64_t>(size_bytes);
+  counters_.bytes += static_cast<std::int64_t>(message.size());
   return Errc::kOk;
 }
 
@@ -138,7 +160,7 @@ Errc LcmLink::publish(const ScanRecord& scan, std::span<const float> ranges_m) {
     return refuse_too_long();
   }
   to_message(scan, ranges_m, messages_->scan);
-  return send(channels_.scan, messages_->scan);
+  return send_twice(channels_.scan, messages_->scan, last_scan_message_);
 }
 
 Errc LcmLink::publish(const RawBytesRecord& raw, std::span<const std::byte> bytes) {
@@ -161,7 +183,7 @@ Errc LcmLink::publish(const TiltRecord& tilt) {
 Errc LcmLink::publish(const MotionRecord& motion) {
   last_motion_ = motion;
   to_message(motion, messages_->pose_covariance);
-  return send(channels_.motion, messages_->pose_covariance);
+  return send_twice(channels_.motion, messages_->pose_covariance, last_motion_message_);
 }
 
 Errc LcmLink::publish(const PoseRecord& pose) {

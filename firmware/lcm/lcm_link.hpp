@@ -89,20 +89,31 @@ class LcmLink {
   /// A piece of the 3D map of at most kCloudPointsMax points.
   [[nodiscard]] Errc publish(const CloudPiece& piece);
 
+  /// From now on each scan and each motion is sent once more, on the channels `scan_again` and `motion_again`, just
+  /// before the next of its kind: by then a burst of loss is over, and the order is kept. Not to the tap.
+  void send_again();
+
   [[nodiscard]] const LcmCounters& counters() const { return counters_; }
   [[nodiscard]] const Channels& channels() const { return channels_; }
 
  private:
   struct Messages;
+  /// The last message of a kind, until it was sent once more.
+  struct Last {
+    std::string again_channel;
+    std::vector<std::byte> message{};
+  };
   struct Closer {
     void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
   };
   [[nodiscard]] Errc fail(Errc error, std::string reason);
   template <class Message>
   [[nodiscard]] Errc send(const std::string& channel, const Message& message);
+  template <class Message>
+  [[nodiscard]] Errc send_twice(const std::string& channel, const Message& message, Last& last);
   [[nodiscard]] Errc refuse_too_long();
   [[nodiscard]] bool is_raw(const std::string& channel) const;
-  [[nodiscard]] Errc transmit(const std::string& channel, std::size_t size_bytes);
+  [[nodiscard]] Errc transmit(const std::string& channel, std::span<const std::byte> message);
 
   LcmParams params_;
   Channels channels_;
@@ -114,6 +125,9 @@ class LcmLink {
   Deflater deflater_;
   std::vector<std::byte> buffer_;
   std::vector<std::uint8_t> halved_cells_;
+  bool sends_again_ = false;
+  Last last_scan_message_;
+  Last last_motion_message_;
   MotionRecord last_motion_;
   std::int32_t tiles_sent_ = 0;
   LcmCounters counters_;

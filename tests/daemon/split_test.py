@@ -161,18 +161,16 @@ class SplitTest(unittest.TestCase):
         self.assertGreater(relay.dropped, 20)
         self.assertGreater(self.summary("lossy")["datagrams_lost"], 10)
         lossy = poses(self.path("lossy/trajectory_online.tum"))
-        self.assertGreater(len(lossy), 0.85 * len(whole))
+        self.assertGreater(len(lossy), 0.98 * len(whole))  # of 5 % twice lost: 0.25 %, of scans and motions
         off_m = max(math.dist(lossy[stamp], whole[stamp]) for stamp in lossy)
         answer = subprocess.run(program("odoless", "eval", "ate", self.path("whole/trajectory_online.tum"),
                                         self.path("lossy/trajectory_online.tum"), "--json"),
                                 check=True, capture_output=True, text=True)
         aligned_m = json.loads(answer.stdout)["translation_m"]
-        # Where the map's frame lies is decided in the first seconds, within a cell, by what is lost of these.
-        print(f"{relay.dropped} of {relay.dropped + relay.passed} datagrams lost: {aligned_m['rmse']:.3f} m off in one frame (at most "
-              f"{aligned_m['max']:.3f} m), {off_m:.3f} m in each one's own; {len(whole) - len(lossy)} of {len(whole)} poses missing", file=sys.stderr)
+        print(f"{relay.dropped} of {relay.dropped + relay.passed} datagrams lost: at most {off_m:.3f} m off; in one frame rmse "
+              f"{aligned_m['rmse']:.3f} m, at most {aligned_m['max']:.3f} m; {len(whole) - len(lossy)} of {len(whole)} poses missing", file=sys.stderr)
+        self.assertLess(off_m, 0.05)
         self.assertLess(aligned_m["rmse"], 0.02)
-        self.assertLess(aligned_m["max"], 0.10)
-        self.assertLess(off_m, 0.10)
 
     def test_a_played_log_drives_the_daemon_to_the_same_map(self):
         player = shutil.which("lcm-logplayer")
