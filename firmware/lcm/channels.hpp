@@ -16,14 +16,14 @@ inline constexpr std::size_t kChannelPrefixMaxBytes = 40;
 /// carries.
 struct Channels {
   std::string scan;             ///< bot_core.planar_lidar_t
-  std::string scan_again;       ///< the scan before, once more, for a filter elsewhere
+  std::string scan_again;       ///< the last scan once more, for a filter elsewhere
   std::string lrf_raw_rx;       ///< bot_core.raw_t, received from the device
   std::string lrf_raw_tx;       ///< bot_core.raw_t, sent to the device
   std::string tilt_raw_rx;      ///< bot_core.raw_t, received from the tilt servo; of CAN a line of candump each
   std::string tilt_raw_tx;      ///< bot_core.raw_t, sent to it, likewise
   std::string tilt;             ///< bot_core.joint_state_t, joint "tilt"
   std::string motion;           ///< odoless.pose_covariance_t, frame "odom"
-  std::string motion_again;     ///< the motion before, once more
+  std::string motion_again;     ///< the last motion once more
   std::string pose;             ///< bot_core.pose_t
   std::string pose_covariance;  ///< odoless.pose_covariance_t, frame "map"
   std::string map_to_odom;      ///< bot_core.rigid_transform_t

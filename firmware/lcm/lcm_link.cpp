@@ -120,12 +120,14 @@ Errc LcmLink::send(const std::string& channel, const Message& message) {
 }
 
 template <class Message>
-Errc LcmLink::send_twice(const std::string& channel, const Message& message, Last& last) {
+Errc LcmLink::send_and_keep(const std::string& channel, const Message& message, Last& last) {
   if (!sends_again_) {
     return send(channel, message);
   }
-  if (!last.message.empty()) {
-    static_cast<void>(transmit(last.again_channel, last.message));  // counted
+  for (const Last* each : {&last_scan_message_, &last_motion_message_}) {
+    if (!each->message.empty()) {
+      static_cast<void>(transmit(each->again_channel, each->message));  // counted
+    }
   }
   const Errc error = send(channel, message);
   const auto size_bytes = error == Errc::kTooLong ? 0 : message.getEncodedSize();
@@ -160,7 +162,7 @@ Errc LcmLink::publish(const ScanRecord& scan, std::span<const float> ranges_m) {
     return refuse_too_long();
   }
   to_message(scan, ranges_m, messages_->scan);
-  return send_twice(channels_.scan, messages_->scan, last_scan_message_);
+  return send_and_keep(channels_.scan, messages_->scan, last_scan_message_);
 }
 
 Errc LcmLink::publish(const RawBytesRecord& raw, std::span<const std::byte> bytes) {
@@ -183,7 +185,7 @@ Errc LcmLink::publish(const TiltRecord& tilt) {
 Errc LcmLink::publish(const MotionRecord& motion) {
   last_motion_ = motion;
   to_message(motion, messages_->pose_covariance);
-  return send_twice(channels_.motion, messages_->pose_covariance, last_motion_message_);
+  return send_and_keep(channels_.motion, messages_->pose_covariance, last_motion_message_);
 }
 
 Errc LcmLink::publish(const PoseRecord& pose) {

@@ -89,8 +89,9 @@ class LcmLink {
   /// A piece of the 3D map of at most kCloudPointsMax points.
   [[nodiscard]] Errc publish(const CloudPiece& piece);
 
-  /// From now on each scan and each motion is sent once more, on the channels `scan_again` and `motion_again`, just
-  /// before the next of its kind: by then a burst of loss is over, and the order is kept. Not to the tap.
+  /// From now on the last scan and the last motion are sent once more before every scan and every motion, on the
+  /// channels `scan_again` and `motion_again`: where they take turns each goes out three times, at three times, before
+  /// the next of its kind. Not to the tap.
   void send_again();
 
   [[nodiscard]] const LcmCounters& counters() const { return counters_; }
@@ -98,7 +99,7 @@ class LcmLink {
 
  private:
   struct Messages;
-  /// The last message of a kind, until it was sent once more.
+  /// The last message of a kind; empty: none yet.
   struct Last {
     std::string again_channel;
     std::vector<std::byte> message{};
@@ -110,7 +111,7 @@ class LcmLink {
   template <class Message>
   [[nodiscard]] Errc send(const std::string& channel, const Message& message);
   template <class Message>
-  [[nodiscard]] Errc send_twice(const std::string& channel, const Message& message, Last& last);
+  [[nodiscard]] Errc send_and_keep(const std::string& channel, const Message& message, Last& last);
   [[nodiscard]] Errc refuse_too_long();
   [[nodiscard]] bool is_raw(const std::string& channel) const;
   [[nodiscard]] Errc transmit(const std::string& channel, std::span<const std::byte> message);

@@ -29,7 +29,7 @@ struct LcmParams {
     visit.value("overview_s", self.overview_s, Range{0.2, 3600.0}, "Time between two messages of the whole map.");
     visit.flag(
         "send_again", self.send_again,
-        "Whether scans and motions for a filter elsewhere are sent twice, so that a lost datagram costs nothing.");
+        "Whether scans and motions for a filter elsewhere are sent three times, so that lost datagrams cost nothing.");
     visit.flag("raw_bytes", self.raw_bytes,
                "Whether the bytes to and from laser and tilt servo are sent; they are recorded in any case.");
     visit.flag("scan_points", self.scan_points, "Whether each scan is also sent as points in the map.");

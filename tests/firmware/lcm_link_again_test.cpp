@@ -14,11 +14,12 @@
 namespace odoless {
 namespace {
 
+using test::KeepingTap;
 using ::testing::ElementsAre;
 
 constexpr std::size_t kMapCellsMax = 600UL * 600UL;
 
-TEST(LcmLink, SendsScansAndMotionsAgainBeforeTheNextOfTheirKind) {
+TEST(LcmLink, SendsTheLastScanAndMotionAgainBeforeEachOfThem) {
   ODOLESS_NEEDS_NETWORK();
   LcmParams params;
   params.url = test::lcm_url();
@@ -41,7 +42,7 @@ TEST(LcmLink, SendsScansAndMotionsAgainBeforeTheNextOfTheirKind) {
   }
   std::map<std::string, std::vector<std::byte>> last;
   std::vector<std::string> order;
-  while (const auto message = receiver.receive(order.size() < 10 ? 1'000'000'000 : 0)) {
+  while (const auto message = receiver.receive(order.size() < 15 ? 1'000'000'000 : 0)) {
     const std::string channel(message->channel);
     const std::vector<std::byte> payload(message->payload.begin(), message->payload.end());
     if (channel == c.scan_again || channel == c.motion_again) {
@@ -50,9 +51,11 @@ TEST(LcmLink, SendsScansAndMotionsAgainBeforeTheNextOfTheirKind) {
     last[channel] = payload;
     order.push_back(channel);
   }
-  EXPECT_THAT(order, ElementsAre(c.scan, c.motion,                                //
-                                 c.scan_again, c.scan, c.motion_again, c.motion,  //
-                                 c.scan_again, c.scan, c.motion_again, c.motion));
+  EXPECT_THAT(order, ElementsAre(c.scan, c.scan_again, c.motion,          //
+                                 c.scan_again, c.motion_again, c.scan,    //
+                                 c.scan_again, c.motion_again, c.motion,  //
+                                 c.scan_again, c.motion_again, c.scan,    //
+                                 c.scan_again, c.motion_again, c.motion));
   EXPECT_EQ(tap.kept.size(), 6U) << "the record has each once";
 }
 
