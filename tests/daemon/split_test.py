@@ -42,7 +42,7 @@ def poses(path):
 
 class Relay(threading.Thread):
     """Takes the datagrams of one port to another, but for some that it drops: which ones depends on no time, but on
-    their channel and on how many were on it before."""
+    their channel, their stamp, and how often both came before."""
 
     def __init__(self, from_port, to_port, dropped_share):
         super().__init__(daemon=True)
@@ -60,9 +60,10 @@ class Relay(threading.Thread):
     def run(self):
         while True:
             datagram = self.socket.recv(1 << 16)
-            channel = datagram[8:].split(b"\0", 1)[0]
-            self.seen[channel] += 1
-            if random.Random(f"{channel}{self.seen[channel]}").random() < self.dropped_share:
+            channel, _, message = datagram[8:].partition(b"\0")
+            name = channel + message[8:16]  # behind the type's fingerprint
+            self.seen[name] += 1
+            if random.Random(f"{name}{self.seen[name]}").random() < self.dropped_share:
                 self.dropped += 1
             else:
                 self.passed += 1
