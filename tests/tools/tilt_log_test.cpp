@@ -62,6 +62,9 @@ TEST(TiltLog, SaysWhatIsWrongWhere) {
   EXPECT_THAT(failure(kFirst + "1.1,100.2,90,5.1,-1,1,0.5,0,0.05,10,9,1\n"), HasSubstr("do not fit 9 ranges"));
   EXPECT_THAT(failure(kFirst + "1.1,100.2,90,5.1,-1,1,0,0,0.05,10,1,1\n"), HasSubstr("angle_inc"));
   EXPECT_THAT(failure(kFirst + "1.1,100.2,90,5.1,-1,1,0.1,7,0.05,10,1,1\n"), HasSubstr("time_inc"));
+  EXPECT_THAT(failure(kFirst + "1.1,100.2,inf,5.1,-1,1,0.5,0,0.05,10,1,1\n"), HasSubstr("log:2"));
+  EXPECT_THAT(failure(kFirst + "1.1,-3.1e9,90,5.1,-1,1,0.5,0,0.05,10,1,1\n"), HasSubstr("3e9 s"));
+  EXPECT_THAT(failure(kFirst + "1.1,100.2,90,9e9,-1,1,0.5,0,0.05,10,1,1\n"), HasSubstr("3e9 s"));
 }
 
 TEST(TiltLog, IsToldFromOtherLogs) {
