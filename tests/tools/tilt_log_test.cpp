@@ -6,6 +6,7 @@
 #include "tests/support/data.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tools/command/error.hpp"
+#include "tools/sim/path.hpp"
 #include "tools/sim/tilted_simulation.hpp"
 #include "tools/sim/world_file.hpp"
 
@@ -102,6 +103,14 @@ TEST(TiltLog, ReadsWhatItWrote) {
                 1e-7);
     EXPECT_NEAR(read.scans[i].ranges_m[45], made.log.scans[i].ranges_m[45], 0.00051);
   }
+}
+
+TEST(SlowedWorld, IsDrivenNoFasterThanThat) {
+  const World world = parse_world("room 0 0 6 5\nspeed 1.0\ngo 1 1  3 1\nspeed 0.25\ngo 5 1\n", "world");
+  const auto drive_s = [](const World& driven) { return Path(driven.waypoints).duration_s(); };
+  EXPECT_NEAR(drive_s(world), 2.0 + 8.0, 1e-9);
+  EXPECT_NEAR(drive_s(slowed(world, 0.5)), 4.0 + 8.0, 1e-9);
+  EXPECT_NEAR(drive_s(slowed(world, 2.0)), 2.0 + 8.0, 1e-9);
 }
 
 TEST(SimulatedTilt, NodsOrRestsWithinItsEndsAtItsSpeed) {
