@@ -28,7 +28,8 @@ speed 0.25
 go 1.5 2.0  4.0 2.0
 """
 # The laser is off its axis, and the level laser in the robot's middle, where the truth is. The axis turns slowly and lies
-# low: the kernel hands over a terminal's bytes late where the machine is busy, and 10 ms are 0.2 deg, 7 mm at 2 m.
+# low: the kernel hands over a terminal's bytes late where the machine is busy, and 10 ms are 0.2 deg, 7 mm at 2 m. Without
+# lines between, the floor is held to 20 mm: tests/tools/cloud_job_test.
 TILTING = """level_tolerance_deg = 3.0
 at_start = "sweep"
 sweep_from_deg = -10.0
@@ -129,7 +130,8 @@ class CloudTest(DaemonCase):
         self.assertLess(statistics.median(off_m), 0.020)
         self.assertLess(off_m[int(0.95 * len(off_m))], 0.060)
         self.assertGreater(len(floor_m), 3_000)
-        self.assertLess(floor_m[int(0.95 * len(floor_m))], 0.020)
+        self.assertLess(statistics.median(floor_m), 0.020)
+        self.assertLess(floor_m[int(0.95 * len(floor_m))], 0.060)
         on_box = sum(abs(p[0] - BOX[0]) < 0.04 and BOX[2] < p[1] < BOX[3] and 0.1 < p[2] < BOX[4] for p in world)
         self.assertGreater(on_box, 50, "the box is seen from its front")
         self.check_published(len(cloud))
