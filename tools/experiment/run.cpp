@@ -54,7 +54,7 @@ std::string cloud_key(const CloudSetting& cloud) {
 
 double estimate_cost_s(const Run& run) {
   if (run.kind == Run::Kind::kCloud) {
-    constexpr double kCloudS = 30.0;
+    constexpr double kCloudS = 8.0;
     return kCloudS;
   }
   const auto scans = static_cast<double>(estimate_scans(run.scene)) / run.every;
