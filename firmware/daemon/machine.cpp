@@ -17,10 +17,15 @@ PublisherParams publisher_params(const DaemonParams& params) {
   return {params.lcm, params.recorder, params.health, params.lrf.driver, params.mapping_in_use()};
 }
 
+CloudFormat format_of(const std::optional<MappingParams>& mapping) {
+  return mapping ? mapping->save_as : CloudFormat::kNone;
+}
+
 }  // namespace
 
 Machine::Machine(DaemonOptions& options)
     : stages_(options.stages),
+      cloud_format_(format_of(options.params.mapping_in_use())),
       pipeline_(options.params.pipeline, options.params.robot, options.lossless),
       source_(make_source(options)),
       intake_(make_intake(options)),
@@ -167,6 +172,8 @@ int Machine::scheduling_error() const {
 
 DaemonResult Machine::result() {
   DaemonResult result;
+  const bool has_cloud = cloud_format_ != CloudFormat::kNone;
+  result.cloud_format = cloud_format_;
   result.online_trajectory = publisher_.online_poses();
   if (has_ended() && filter_) {
     std::vector<StampedPose> path;
@@ -174,9 +181,11 @@ DaemonResult Machine::result() {
     filter_->filter().write_path(path);
     filter_->filter().write_occupancy(result.map);
     result.trajectory = publisher_.final_poses(path);
+    result.cloud = has_cloud ? publisher_.final_cloud(path) : result.cloud;
   } else {
     result.map = publisher_.map();
     result.trajectory = result.online_trajectory;
+    result.cloud = has_cloud ? publisher_.cloud() : result.cloud;
   }
   result.health = publisher_.health();
   result.cpu = publisher_.cpu();

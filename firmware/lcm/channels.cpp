@@ -19,6 +19,7 @@ Channels::Channels(std::string_view prefix) {
   map_tile = named("MAP_TILE");
   map = named("MAP");
   health = named("HEALTH");
+  cloud_health = named("CLOUD_HEALTH");
   lrf_status = named("LRF_STATUS");
   scan_points = named("SCAN_POINTS");
   cloud = named("CLOUD");

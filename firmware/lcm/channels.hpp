@@ -30,9 +30,10 @@ struct Channels {
   std::string map_tile;         ///< odoless.map_tile_t
   std::string map;              ///< occ_map.pixel_map_t
   std::string health;           ///< odoless.health_t
+  std::string cloud_health;     ///< odoless.cloud_health_t
   std::string lrf_status;       ///< bot_core.sensor_status_t
   std::string scan_points;      ///< bot_core.pointcloud_t
-  std::string cloud;            ///< bot_core.pointcloud_t, channel "key"
+  std::string cloud;            ///< bot_core.pointcloud_t, channels "key" and "edition"
 
   explicit Channels(std::string_view prefix = "ODOLESS_");
 };

@@ -47,6 +47,7 @@ struct LcmLink::Messages {
   map_tile_t tile{};
   occ_map::pixel_map_t map{};
   health_t health{};
+  cloud_health_t cloud_health{};
   bot_core::sensor_status_t lrf_status{};
   bot_core::pointcloud_t points{};
   bot_core::pointcloud_t cloud{};
@@ -210,7 +211,11 @@ Errc LcmLink::publish(const MapTileRecord& tile, std::span<const std::uint8_t> c
 
 Errc LcmLink::publish(const HealthReport& health) {
   to_message(health, messages_->health);
-  const Errc error = send(channels_.health, messages_->health);
+  Errc error = send(channels_.health, messages_->health);
+  if (health.cloud) {
+    to_message(*health.cloud, health.stamp_ns, messages_->cloud_health);
+    error = first_error(error, send(channels_.cloud_health, messages_->cloud_health));
+  }
   to_message(health, laser_, messages_->lrf_status);
   return first_error(error, send(channels_.lrf_status, messages_->lrf_status));
 }

@@ -80,7 +80,7 @@ class LcmLink {
   /// published, if that ended not more than a second from this pose.
   [[nodiscard]] Errc publish(const PoseRecord& pose);
   [[nodiscard]] Errc publish(const MapTileRecord& tile, std::span<const std::uint8_t> cells);
-  /// Two messages: health, and that the laser lives.
+  /// Health, that of the 3D map where there is one, and that the laser lives.
   [[nodiscard]] Errc publish(const HealthReport& health);
   /// The whole map; its resolution is halved until it fits one message.
   [[nodiscard]] Errc publish(const MapView& map);

@@ -158,6 +158,11 @@ TEST_F(LcmLinkTap, ReportsHealthAndThatTheLaserLives) {
   EXPECT_EQ(health.allocations, 0);
   EXPECT_EQ(health.checkpoint_age_s, -1.0);
   EXPECT_EQ(health.storage_error, 28);
+  const auto cloud = tap_.last<cloud_health_t>("ODOLESS_CLOUD_HEALTH");
+  EXPECT_EQ(cloud.points, 5000);
+  EXPECT_EQ(cloud.used, 0.25);
+  EXPECT_EQ(cloud.refused, 3);
+  EXPECT_EQ(cloud.scans_left_out, 4);
   EXPECT_EQ(tap_.last<bot_core::sensor_status_t>("ODOLESS_LRF_STATUS").rate, 40.0);
   for (const auto& [laser, type] : {std::pair<LrfDriver, int>(LrfDriver::kScip, 3),
                                     {LrfDriver::kSick, 2},
@@ -301,7 +306,7 @@ TEST(LcmLink, SendsOneOfEachToWhoeverListens) {
   const Channels c;
   const std::vector<std::string> all{
       c.tilt,     c.scan, c.lrf_raw_rx, c.lrf_raw_tx, c.motion,      c.pose,        c.pose_covariance, c.map_to_odom,
-      c.map_tile, c.map,  c.health,     c.lrf_status, c.scan_points, c.tilt_raw_rx, c.tilt_raw_tx};
+      c.map_tile, c.map,  c.health,     c.lrf_status, c.scan_points, c.tilt_raw_rx, c.tilt_raw_tx,     c.cloud_health};
   LcmReceiver receiver(params, all);
   ASSERT_EQ(receiver.open(), Errc::kOk) << receiver.reason();
   LcmLink link(params, kMapCellsMax);
