@@ -73,6 +73,11 @@ void KeyedCloud::clear() {
   is_open_ = false;
 }
 
+double KeyedCloud::used() const {
+  return std::max(static_cast<double>(points_.size()) / params_.points_max,
+                  static_cast<double>(keys_.size()) / params_.keys_max);
+}
+
 std::size_t KeyedCloud::memory_bytes() const {
   return keys_.capacity() * sizeof(CloudKey) + points_.capacity() * sizeof(CloudPoint) + table_.memory_bytes();
 }

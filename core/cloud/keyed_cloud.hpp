@@ -77,6 +77,8 @@ class KeyedCloud {
   [[nodiscard]] std::span<const CloudPoint> points_of(std::size_t key) const;
   [[nodiscard]] std::size_t size() const { return points_.size(); }
   [[nodiscard]] std::int64_t refused() const { return refused_; }
+  /// Share of the memory for points, or for keys where that is more, that is in use: 0 to 1.
+  [[nodiscard]] double used() const;
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:

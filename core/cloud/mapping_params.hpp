@@ -1,14 +1,21 @@
 #pragma once
 
+#include <cstdint>
+
 #include "core/cloud/keyed_cloud.hpp"
 #include "core/cloud/level_scan.hpp"
 #include "core/cloud/tilt_mount.hpp"
 
 namespace odoless {
 
+/// In which form a cloud is saved.
+enum class CloudFormat : std::uint8_t { kNone, kPly, kPcd };
+inline constexpr const char* kCloudFormatNames[] = {"none", "ply", "pcd"};
+
 /// 3D mapping with a tilting laser.
 struct MappingParams {
   bool enabled = true;
+  CloudFormat save_as = CloudFormat::kPly;
   TiltMountParams mount{};
   LevelParams level{};
   CloudParams cloud{};
@@ -19,6 +26,9 @@ struct MappingParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.flag("enabled", self.enabled, "Whether the daemon maps in 3D where a tilt servo is configured.");
+    visit.choice(
+        "save_as", self.save_as, kCloudFormatNames,
+        "Form in which the daemon saves the 3D map: cloud.ply or cloud.pcd beside the map; none: it does not.");
     visit.group("mount", self.mount, "The laser on its tilt axis on the robot: the extrinsic calibration.");
     visit.group("level", self.level, "Which scans of a tilting laser serve 2D SLAM.");
     visit.group("cloud", self.cloud, "The cloud of points.");

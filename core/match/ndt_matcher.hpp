@@ -35,10 +35,6 @@ struct MatchResult {
   double strong_information_1_m2 = 0.0;   ///< curvature of the fitness across the weak direction
   double weak_information_1_m2 = 0.0;     ///< curvature of the fitness along it; near zero in a featureless corridor
   std::optional<SecondPeak> second_peak;  ///< another, distinct answer that scores nearly as well
-
-  /// The seed's form of the fitness, A - score (section 5.1.3), for its 180 beams: near zero is good, below 30 it takes
-  /// a match for converged.
-  [[nodiscard]] double seed_fitness() const { return 180.0 * (1.0 - fitness); }
 };
 
 /// Where a scan is expected. The deviations say how far from there the motion may well lead; 0: anywhere in the box.

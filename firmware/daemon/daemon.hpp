@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/pose3.hpp"
 #include "core/geometry/stamped_pose.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "firmware/daemon/daemon_params.hpp"
@@ -22,6 +23,8 @@ struct DaemonResult {
   std::vector<StampedPose> trajectory;         ///< one per scan, as known now
   std::vector<StampedPose> online_trajectory;  ///< as published at the time
   OccupancyMap map;
+  std::vector<Point3> cloud;  ///< the 3D map; empty where there is none, or it is not to be saved
+  CloudFormat cloud_format = CloudFormat::kNone;
   HealthReport health;
   CpuHistograms cpu;
   double wall_s = 0.0;

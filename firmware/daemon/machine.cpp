@@ -17,10 +17,15 @@ PublisherParams publisher_params(const DaemonParams& params) {
   return {params.lcm, params.recorder, params.health, params.lrf.driver, params.mapping_in_use()};
 }
 
+CloudFormat format_of(const std::optional<MappingParams>& mapping) {
+  return mapping ? mapping->save_as : CloudFormat::kNone;
+}
+
 }  // namespace
 
 Machine::Machine(DaemonOptions& options)
     : stages_(options.stages),
+      cloud_format_(format_of(options.params.mapping_in_use())),
       pipeline_(options.params.pipeline, options.params.robot, options.lossless),
       source_(make_source(options)),
       intake_(make_intake(options)),
@@ -48,6 +53,9 @@ Machine::Machine(DaemonOptions& options)
   if (matcher_) {
     matcher_loop_ = std::make_unique<MatcherLoop>(pipeline_, *matcher_, params.matcher_budget_ns, has_filter(stages_));
   }
+  if (!filter_ && options.params.lcm.send_again) {
+    publisher_.link().send_again();
+  }
   if (filter_) {
     filter_loop_ = std::make_unique<FilterLoop>(pipeline_, *filter_, params, options.params.lcm.map_refresh_s);
     if (options.params.mapping_in_use()) {
@@ -69,10 +77,10 @@ std::unique_ptr<ScanSource> Machine::make_source(DaemonOptions& options) {
     return std::move(options.source);
   }
   if (!has_matcher(stages_)) {
-    return std::make_unique<LcmSource>(params.lcm, channels.scan, channels.motion, beams_max);
+    return std::make_unique<LcmSource>(params.lcm, channels, beams_max);
   }
   if (params.lrf.driver == LrfDriver::kLcm) {
-    return std::make_unique<LcmSource>(params.lcm, params.lrf.channel, "", beams_max);
+    return std::make_unique<LcmSource>(params.lcm, params.lrf.channel, beams_max);
   }
   reads_laser_ = true;
   auto laser = std::make_unique<LrfSource>(params.lrf, beams_max, line_);
@@ -165,6 +173,8 @@ int Machine::scheduling_error() const {
 
 DaemonResult Machine::result() {
   DaemonResult result;
+  const bool has_cloud = cloud_format_ != CloudFormat::kNone;
+  result.cloud_format = cloud_format_;
   result.online_trajectory = publisher_.online_poses();
   if (has_ended() && filter_) {
     std::vector<StampedPose> path;
@@ -172,9 +182,11 @@ DaemonResult Machine::result() {
     filter_->filter().write_path(path);
     filter_->filter().write_occupancy(result.map);
     result.trajectory = publisher_.final_poses(path);
+    result.cloud = has_cloud ? publisher_.final_cloud(path) : result.cloud;
   } else {
     result.map = publisher_.map();
     result.trajectory = result.online_trajectory;
+    result.cloud = has_cloud ? publisher_.cloud() : result.cloud;
   }
   result.health = publisher_.health();
   result.cpu = publisher_.cpu();

@@ -289,15 +289,20 @@ std::string Supervisor::command_filter(std::string_view word, std::string_view a
 
 std::string Supervisor::status_text() {
   const HealthReport health = machine_.publisher().health();
+  const std::string cloud =
+      health.cloud ? fmt::format("3D map: {} points, {:.0f} % of its memory; {} returns refused, {} scans left out\n",
+                                 health.cloud->points, 100.0 * health.cloud->used, health.cloud->refused,
+                                 health.cloud->scans_left_out)
+                   : "";
   return fmt::format(
       "{}\nscans {} accepted, {} rejected, {} dropped, {} not level, {:.1f} Hz, age {:.3f} s\n"
       "fitness {:.2f}, particles {}, effective {:.0f}, map pool {:.0f} %\n"
-      "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n",
+      "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n{}",
       state_sentence(health), health.lrf.accepted, health.lrf.rejected, health.lrf.dropped, health.scans_not_level,
       health.lrf.rate_hz, health.lrf.age_s, health.fitness, health.particles, health.effective_particles,
       100.0 * health.map_pool_used, health.stages[kMatcherStage].p50_ms, health.stages[kMatcherStage].p99_ms,
       health.stages[kMatcherStage].max_ms, health.stages[kFilterStage].p50_ms, health.stages[kFilterStage].p99_ms,
-      health.stages[kFilterStage].max_ms);
+      health.stages[kFilterStage].max_ms, cloud);
 }
 
 std::string Supervisor::save() {

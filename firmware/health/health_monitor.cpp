@@ -33,7 +33,10 @@ const HealthReport& HealthMonitor::update(const SensorReport& sensor, const Matc
   report_.reasons = surroundings.standing_reasons | sensor_reasons(sensor, surroundings, now_ns) |
                     estimate_reasons(matcher, filter, now_ns) | load_reasons(report_, now_ns) |
                     when(surroundings.stage_silent, kReasonStageSilent) | when(surroundings.stopped, kReasonStopped) |
-                    when(surroundings.gpio_lost, kReasonGpio) | when(surroundings.storage_error != 0, kReasonStorage);
+                    when(surroundings.gpio_lost, kReasonGpio) | when(surroundings.storage_error != 0, kReasonStorage) |
+                    when(cloud_refused_.update(surroundings.cloud ? surroundings.cloud->refused : 0, now_ns,
+                                               params_.deadline_memory_ns),
+                         kReasonCloudFull);
   report_.latched_reasons |= report_.reasons;
   report_.state = state_of(sensor, filter);
   return report_;
@@ -92,7 +95,7 @@ HealthState HealthMonitor::state_of(const SensorReport& sensor, const FilterRepo
     return HealthState::kLost;
   }
   constexpr std::uint32_t kHarmless =
-      kReasonNotRealTime | kReasonPaused | kReasonPublishing | kReasonStorage | kReasonStopped;
+      kReasonNotRealTime | kReasonPaused | kReasonPublishing | kReasonStorage | kReasonStopped | kReasonCloudFull;
   return (report_.reasons & ~kHarmless) != 0 ? HealthState::kDegraded : HealthState::kOk;
 }
 
@@ -125,6 +128,7 @@ void HealthMonitor::copy_figures(const SensorReport& sensor, const MatcherReport
   report_.publish_errors = surroundings.publish_errors;
   report_.storage_error = surroundings.storage_error;
   report_.checkpoint_age_s = surroundings.checkpoint_age_s;
+  report_.cloud = surroundings.cloud;
 }
 
 }  // namespace odoless

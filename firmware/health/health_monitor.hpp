@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/base/parameters.hpp"
 #include "firmware/pipeline/messages.hpp"
@@ -43,6 +44,7 @@ struct Surroundings {
   std::int64_t publish_errors = 0;
   std::int32_t storage_error = 0;
   double checkpoint_age_s = -1.0;
+  std::optional<CloudHealth> cloud{};
 };
 
 /// Makes the health report of what the stages say: the state, its reasons, and every figure.
@@ -85,6 +87,7 @@ class HealthMonitor {
   Growth map_refused_;
   Growth unpublished_;
   Growth lost_datagrams_;
+  Growth cloud_refused_;
 };
 
 }  // namespace odoless

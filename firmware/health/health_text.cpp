@@ -8,7 +8,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<const char*, 21> kReasonTexts{"no scans",
+constexpr std::array<const char*, 22> kReasonTexts{"no scans",
                                                    "the laser cannot be opened",
                                                    "scans are refused",
                                                    "the laser sees nothing",
@@ -28,7 +28,8 @@ constexpr std::array<const char*, 21> kReasonTexts{"no scans",
                                                    "emergency stop",
                                                    "a GPIO line or the sync pulse is missing",
                                                    "the tilt servo does not obey",
-                                                   "the laser is not level"};
+                                                   "the laser is not level",
+                                                   "the 3D map is full"};
 
 }  // namespace
 

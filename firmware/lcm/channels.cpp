@@ -5,6 +5,7 @@ namespace odoless {
 Channels::Channels(std::string_view prefix) {
   const auto named = [prefix](std::string_view name) { return std::string(prefix).append(name); };
   scan = named("SCAN");
+  scan_again = named("SCAN_AGAIN");
   lrf_raw_rx = named("LRF_RAW_RX");
   lrf_raw_tx = named("LRF_RAW_TX");
   tilt_raw_rx = named("TILT_RAW_RX");
@@ -13,12 +14,14 @@ Channels::Channels(std::string_view prefix) {
   gpio_raw_tx = named("GPIO_RAW_TX");
   tilt = named("TILT");
   motion = named("MOTION");
+  motion_again = named("MOTION_AGAIN");
   pose = named("POSE");
   pose_covariance = named("POSE_COVARIANCE");
   map_to_odom = named("MAP_TO_ODOM");
   map_tile = named("MAP_TILE");
   map = named("MAP");
   health = named("HEALTH");
+  cloud_health = named("CLOUD_HEALTH");
   lrf_status = named("LRF_STATUS");
   scan_points = named("SCAN_POINTS");
   cloud = named("CLOUD");

@@ -16,6 +16,7 @@ inline constexpr std::size_t kChannelPrefixMaxBytes = 40;
 /// carries.
 struct Channels {
   std::string scan;             ///< bot_core.planar_lidar_t
+  std::string scan_again;       ///< the last scan once more, for a filter elsewhere
   std::string lrf_raw_rx;       ///< bot_core.raw_t, received from the device
   std::string lrf_raw_tx;       ///< bot_core.raw_t, sent to the device
   std::string tilt_raw_rx;      ///< bot_core.raw_t, received from the tilt servo; of CAN a line of candump each
@@ -24,15 +25,17 @@ struct Channels {
   std::string gpio_raw_tx;      ///< bot_core.raw_t, what the daemon set, likewise
   std::string tilt;             ///< bot_core.joint_state_t, joint "tilt"
   std::string motion;           ///< odoless.pose_covariance_t, frame "odom"
+  std::string motion_again;     ///< the last motion once more
   std::string pose;             ///< bot_core.pose_t
   std::string pose_covariance;  ///< odoless.pose_covariance_t, frame "map"
   std::string map_to_odom;      ///< bot_core.rigid_transform_t
   std::string map_tile;         ///< odoless.map_tile_t
   std::string map;              ///< occ_map.pixel_map_t
   std::string health;           ///< odoless.health_t
+  std::string cloud_health;     ///< odoless.cloud_health_t
   std::string lrf_status;       ///< bot_core.sensor_status_t
   std::string scan_points;      ///< bot_core.pointcloud_t
-  std::string cloud;            ///< bot_core.pointcloud_t, channel "key"
+  std::string cloud;            ///< bot_core.pointcloud_t, channels "key" and "edition"
 
   explicit Channels(std::string_view prefix = "ODOLESS_");
 };

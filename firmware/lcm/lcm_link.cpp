@@ -47,6 +47,7 @@ struct LcmLink::Messages {
   map_tile_t tile{};
   occ_map::pixel_map_t map{};
   health_t health{};
+  cloud_health_t cloud_health{};
   bot_core::sensor_status_t lrf_status{};
   bot_core::pointcloud_t points{};
   bot_core::pointcloud_t cloud{};
@@ -58,7 +59,9 @@ LcmLink::LcmLink(const LcmParams& params, std::size_t map_cells_max)
       messages_(std::make_unique<Messages>()),
       buffer_(kMessageMaxBytes),
       // Halving rounds up: a single row of cells only becomes half of them.
-      halved_cells_(map_cells_max / 2 + 1) {}
+      halved_cells_(map_cells_max / 2 + 1),
+      last_scan_message_{.again_channel = channels_.scan_again},
+      last_motion_message_{.again_channel = channels_.motion_again} {}
 
 LcmLink::~LcmLink() = default;
 
@@ -89,6 +92,12 @@ Errc LcmLink::open() {
   return Errc::kOk;
 }
 
+void LcmLink::send_again() {
+  sends_again_ = true;
+  last_scan_message_.message.reserve(kMessageMaxBytes);
+  last_motion_message_.message.reserve(kMessageMaxBytes);
+}
+
 Errc LcmLink::refuse_too_long() {
   ++counters_.too_long;
   return Errc::kTooLong;
@@ -102,26 +111,42 @@ Errc LcmLink::send(const std::string& channel, const Message& message, bool to_t
   }
   const int written_bytes = message.encode(buffer_.data(), 0, static_cast<int>(buffer_.size()));
   ODOLESS_CHECK(written_bytes == size_bytes);
+  const std::span<const std::byte> bytes(buffer_.data(), static_cast<std::size_t>(size_bytes));
   if (tap_ != nullptr) {
     // As lcm-logger stamps what it hears; a replay's own stamps may be of another clock than those of its health.
     const auto now = std::chrono::system_clock::now().time_since_epoch();
-    tap_->record(channel, {buffer_.data(), static_cast<std::size_t>(size_bytes)},
-                 std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+    tap_->record(channel, bytes, std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
   }
-  return to_tap_alone ? Errc::kOk : transmit(channel, static_cast<std::size_t>(size_bytes));
+  return to_tap_alone ? Errc::kOk : transmit(channel, bytes);
 }
 
-Errc LcmLink::transmit(const std::string& channel, std::size_t size_bytes) {
+template <class Message>
+Errc LcmLink::send_and_keep(const std::string& channel, const Message& message, Last& last) {
+  if (!sends_again_) {
+    return send(channel, message);
+  }
+  for (const Last* each : {&last_scan_message_, &last_motion_message_}) {
+    if (!each->message.empty()) {
+      static_cast<void>(transmit(each->again_channel, each->message));  // counted
+    }
+  }
+  const Errc error = send(channel, message);
+  const auto size_bytes = error == Errc::kTooLong ? 0 : message.getEncodedSize();
+  last.message.assign(buffer_.begin(), buffer_.begin() + size_bytes);
+  return error;
+}
+
+Errc LcmLink::transmit(const std::string& channel, std::span<const std::byte> message) {
   if (params_.url.empty()) {
     return Errc::kOk;
   }
   if (lcm_ == nullptr ||
-      lcm_publish(lcm_.get(), channel.c_str(), buffer_.data(), static_cast<unsigned int>(size_bytes)) != 0) {
+      lcm_publish(lcm_.get(), channel.c_str(), message.data(), static_cast<unsigned int>(message.size())) != 0) {
     ++counters_.errors;
     return Errc::kUnavailable;
   }
   ++counters_.messages;
-  counters_.bytes += static_cast<std::int64_t>(size_bytes);
+  counters_.bytes += static_cast<std::int64_t>(message.size());
   return Errc::kOk;
 }
 
@@ -130,7 +155,7 @@ Errc LcmLink::publish(const ScanRecord& scan, std::span<const float> ranges_m) {
     return refuse_too_long();
   }
   to_message(scan, ranges_m, messages_->scan);
-  return send(channels_.scan, messages_->scan);
+  return send_and_keep(channels_.scan, messages_->scan, last_scan_message_);
 }
 
 Errc LcmLink::publish(const RawBytesRecord& raw, std::span<const std::byte> bytes) {
@@ -161,7 +186,7 @@ Errc LcmLink::publish(const TiltRecord& tilt) {
 Errc LcmLink::publish(const MotionRecord& motion) {
   last_motion_ = motion;
   to_message(motion, messages_->pose_covariance);
-  return send(channels_.motion, messages_->pose_covariance);
+  return send_and_keep(channels_.motion, messages_->pose_covariance, last_motion_message_);
 }
 
 Errc LcmLink::publish(const PoseRecord& pose) {
@@ -186,7 +211,11 @@ Errc LcmLink::publish(const MapTileRecord& tile, std::span<const std::uint8_t> c
 
 Errc LcmLink::publish(const HealthReport& health) {
   to_message(health, messages_->health);
-  const Errc error = send(channels_.health, messages_->health);
+  Errc error = send(channels_.health, messages_->health);
+  if (health.cloud) {
+    to_message(*health.cloud, health.stamp_ns, messages_->cloud_health);
+    error = first_error(error, send(channels_.cloud_health, messages_->cloud_health));
+  }
   to_message(health, laser_, messages_->lrf_status);
   return first_error(error, send(channels_.lrf_status, messages_->lrf_status));
 }

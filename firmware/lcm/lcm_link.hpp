@@ -80,7 +80,7 @@ class LcmLink {
   /// published, if that ended not more than a second from this pose.
   [[nodiscard]] Errc publish(const PoseRecord& pose);
   [[nodiscard]] Errc publish(const MapTileRecord& tile, std::span<const std::uint8_t> cells);
-  /// Two messages: health, and that the laser lives.
+  /// Health, that of the 3D map where there is one, and that the laser lives.
   [[nodiscard]] Errc publish(const HealthReport& health);
   /// The whole map; its resolution is halved until it fits one message.
   [[nodiscard]] Errc publish(const MapView& map);
@@ -89,20 +89,32 @@ class LcmLink {
   /// A piece of the 3D map of at most kCloudPointsMax points.
   [[nodiscard]] Errc publish(const CloudPiece& piece);
 
+  /// From now on the last scan and the last motion are sent once more before every scan and every motion, on the
+  /// channels `scan_again` and `motion_again`: where they take turns each goes out three times, at three times, before
+  /// the next of its kind. Not to the tap.
+  void send_again();
+
   [[nodiscard]] const LcmCounters& counters() const { return counters_; }
   [[nodiscard]] const Channels& channels() const { return channels_; }
 
  private:
   struct Messages;
+  /// The last message of a kind; empty: none yet.
+  struct Last {
+    std::string again_channel;
+    std::vector<std::byte> message{};
+  };
   struct Closer {
     void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
   };
   [[nodiscard]] Errc fail(Errc error, std::string reason);
   template <class Message>
   [[nodiscard]] Errc send(const std::string& channel, const Message& message, bool to_tap_alone = false);
+  template <class Message>
+  [[nodiscard]] Errc send_and_keep(const std::string& channel, const Message& message, Last& last);
   [[nodiscard]] Errc refuse_too_long();
   [[nodiscard]] const std::string& raw_channel(RawLine line, bool to_device) const;
-  [[nodiscard]] Errc transmit(const std::string& channel, std::size_t size_bytes);
+  [[nodiscard]] Errc transmit(const std::string& channel, std::span<const std::byte> message);
 
   LcmParams params_;
   Channels channels_;
@@ -114,6 +126,9 @@ class LcmLink {
   Deflater deflater_;
   std::vector<std::byte> buffer_;
   std::vector<std::uint8_t> halved_cells_;
+  bool sends_again_ = false;
+  Last last_scan_message_;
+  Last last_motion_message_;
   MotionRecord last_motion_;
   std::int32_t tiles_sent_ = 0;
   LcmCounters counters_;

@@ -13,6 +13,7 @@ struct LcmParams {
   std::string prefix = "ODOLESS_";
   double map_refresh_s = 5.0;
   double overview_s = 2.0;
+  bool send_again = true;
   bool raw_bytes = false;
   bool scan_points = true;
 
@@ -26,6 +27,9 @@ struct LcmParams {
     visit.value("map_refresh_s", self.map_refresh_s, Range{0.5, 3600.0},
                 "Time in which every tile of the map is sent again.");
     visit.value("overview_s", self.overview_s, Range{0.2, 3600.0}, "Time between two messages of the whole map.");
+    visit.flag(
+        "send_again", self.send_again,
+        "Whether scans and motions for a filter elsewhere are sent three times, so that lost datagrams cost nothing.");
     visit.flag("raw_bytes", self.raw_bytes,
                "Whether the bytes to and from laser and tilt servo are sent; they are recorded in any case.");
     visit.flag("scan_points", self.scan_points, "Whether each scan is also sent as points in the map.");

@@ -195,6 +195,14 @@ void to_message(const HealthReport& health, health_t& message) {
   message.storage_error = health.storage_error;
 }
 
+void to_message(const CloudHealth& cloud, std::int64_t stamp_ns, cloud_health_t& message) {
+  message.utime = utime(stamp_ns);
+  message.points = cloud.points;
+  message.used = cloud.used;
+  message.refused = cloud.refused;
+  message.scans_left_out = cloud.scans_left_out;
+}
+
 void to_message(const HealthReport& health, LrfDriver laser, bot_core::sensor_status_t& message) {
   message.utime = utime(health.stamp_ns);
   message.sensor_name = "lrf";

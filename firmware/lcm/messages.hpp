@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <occ_map/pixel_map_t.hpp>
+#include <odoless/cloud_health_t.hpp>
 #include <odoless/health_t.hpp>
 #include <odoless/map_tile_t.hpp>
 #include <odoless/pose_covariance_t.hpp>
@@ -53,6 +54,7 @@ void to_message(const MotionRecord& motion, pose_covariance_t& message);
 void to_message(const PoseRecord& pose, pose_covariance_t& message);
 void to_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose_t& message);
 void to_message(const HealthReport& health, health_t& message);
+void to_message(const CloudHealth& cloud, std::int64_t stamp_ns, cloud_health_t& message);
 /// All but the data, which are compressed.
 void to_message(const MapTileRecord& tile, std::int32_t sequence, map_tile_t& message);
 /// `map_T_odom` of a pose.

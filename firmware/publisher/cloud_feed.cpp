@@ -36,8 +36,29 @@ void CloudFeed::add(const MotionRecord& motion) {
 }
 
 void CloudFeed::add(const PoseRecord& pose) {
+  if (has_pose_ && pose.map_number != pose_.map_number) {
+    begin_anew();
+  } else if (has_pose_ && is_leap(pose)) {
+    mapper_.reset();
+  }
   pose_ = pose;
   has_pose_ = true;
+}
+
+void CloudFeed::begin_anew() {
+  for (const KeyState& key : keys_) {
+    editions_before_ = std::max(editions_before_, key.edition);
+  }
+  mapper_.cloud().clear();
+  mapper_.reset();
+  keys_.clear();
+  next_key_ = 0;
+}
+
+// Whether the last pose's map_T_odom would put this one somewhere else.
+bool CloudFeed::is_leap(const PoseRecord& pose) const {
+  const Pose2 expected = pose_.map_T_odom * pose.map_T_odom.inverse() * pose.map_T_scan;
+  return expected.distance_m(pose.map_T_scan) > kLeapM;
 }
 
 void CloudFeed::add(const ScanRecord& scan, std::span<const float> ranges_m) {
@@ -82,6 +103,22 @@ void CloudFeed::work() {
   }
 }
 
+void CloudFeed::finish(std::span<const StampedPose> path) {
+  for (std::size_t before = first_ + 1; before != first_;) {
+    before = first_;
+    work();
+  }
+  correct(path);
+}
+
+CloudHealth CloudFeed::health() const {
+  const KeyedCloud& cloud = mapper_.cloud();
+  return {.points = static_cast<std::int64_t>(cloud.size()),
+          .used = cloud.used(),
+          .refused = cloud.refused(),
+          .scans_left_out = left_out_};
+}
+
 void CloudFeed::map(const Waiting& waiting) {
   const RawScan raw{.stamp_ns = waiting.scan.stamp_ns,
                     .start_angle_rad = waiting.scan.start_angle_rad,
@@ -108,7 +145,8 @@ void CloudFeed::remember_keys(std::int64_t stamp_ns) {
       keys_.back().published = 0;
     }
     const Pose2 odom_T_update = pose_.map_T_odom.inverse() * pose_.map_T_scan * pose_.update_T_scan.inverse();
-    keys_.push_back({pose_.update_stamp_ns, odom_T_update.inverse() * odom_T_scan_.at(stamp_ns).value(), {}, 0, 0});
+    keys_.push_back(
+        {pose_.update_stamp_ns, odom_T_update.inverse() * odom_T_scan_.at(stamp_ns).value(), {}, 0, editions_before_});
   }
 }
 

@@ -150,6 +150,7 @@ void Publisher::watch(std::int64_t now_ns) {
   surroundings_.records_dropped = pipeline_.lossless ? 0 : pipeline_.records_dropped();
   surroundings_.publish_errors = link_.counters().errors;
   surroundings_.storage_error = recorder_.counters().last_error != 0 ? recorder_.counters().last_error : poses_.error();
+  surroundings_.cloud = cloud_ ? std::optional(cloud_->health()) : std::nullopt;
   const HealthReport before = health_;
   health_ = monitor_.update(pipeline_.sensor.report.value(), pipeline_.matcher.report.value(),
                             pipeline_.filter.report.value(), surroundings_, now_ns);
@@ -206,6 +207,29 @@ std::vector<StampedPose> Publisher::online_poses() {
 std::vector<StampedPose> Publisher::final_poses(std::span<const StampedPose> path) {
   const std::lock_guard lock(mutex_);
   return poses_.final(path);
+}
+
+std::vector<Point3> Publisher::cloud() {
+  const std::lock_guard lock(mutex_);
+  return copy_cloud();
+}
+
+std::vector<Point3> Publisher::final_cloud(std::span<const StampedPose> path) {
+  const std::lock_guard lock(mutex_);
+  if (cloud_) {
+    cloud_->finish(path);
+  }
+  return copy_cloud();
+}
+
+std::vector<Point3> Publisher::copy_cloud() const {
+  std::vector<Point3> points;
+  if (cloud_) {
+    points.reserve(cloud_->cloud().size());
+    for_each_point(cloud_->cloud(),
+                   [&points](std::size_t, const Point3& p_map, std::uint32_t) { points.push_back(p_map); });
+  }
+  return points;
 }
 
 }  // namespace odoless

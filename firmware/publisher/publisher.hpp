@@ -55,6 +55,11 @@ class Publisher {
   [[nodiscard]] std::vector<StampedPose> online_poses();
   [[nodiscard]] std::vector<StampedPose> final_poses(std::span<const StampedPose> path);
 
+  /// Any thread: the 3D map until now, point by point in the frame `map`; empty where there is none.
+  [[nodiscard]] std::vector<Point3> cloud();
+  /// Any thread: the same at the end, with the final trajectory.
+  [[nodiscard]] std::vector<Point3> final_cloud(std::span<const StampedPose> path);
+
   [[nodiscard]] const LogWriterCounters& recorder_counters() const { return recorder_.counters(); }
   [[nodiscard]] std::size_t memory_bytes() const { return map_.memory_bytes() + (cloud_ ? cloud_->memory_bytes() : 0); }
 
@@ -70,6 +75,7 @@ class Publisher {
   void take_tile(std::span<const std::byte> bytes);
   void watch(std::int64_t now_ns);
   void publish_cloud();
+  [[nodiscard]] std::vector<Point3> copy_cloud() const;
   void publish_overview(std::int64_t now_ns);
   void keep_link_open(std::int64_t now_ns);
 

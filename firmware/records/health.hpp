@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 namespace odoless {
 
@@ -37,6 +38,7 @@ enum HealthReason : std::uint32_t {
   kReasonGpio = 1U << 18,           ///< a GPIO line cannot be used, or the sync pulse doesn't come
   kReasonTilt = 1U << 19,           ///< the tilt servo is not there, has a fault, or doesn't move as it should
   kReasonNotLevel = 1U << 20,       ///< the laser's plane is not level
+  kReasonCloudFull = 1U << 21,      ///< the 3D map has no room for what is seen: what it has stays
 };
 
 /// The scan source since start. Rates and ages are taken at the time of the report.
@@ -61,6 +63,14 @@ struct StageHealth {
   double p99_ms = 0.0;
   double max_ms = 0.0;
   std::int64_t deadline_misses = 0;
+};
+
+/// The 3D map since start.
+struct CloudHealth {
+  std::int64_t points = 0;          ///< one per voxel
+  double used = 0.0;                ///< share of its memory in use, 0 to 1
+  std::int64_t refused = 0;         ///< returns for which it had no room
+  std::int64_t scans_left_out = 0;  ///< whose poses or angles never came
 };
 
 enum Stage : int { kSensorStage = 0, kMatcherStage = 1, kFilterStage = 2, kStages = 3 };
@@ -90,9 +100,10 @@ struct HealthReport {
   double map_pool_used = 0.0;        ///< share of the map's pool in use, 0 to 1
   std::int64_t records_dropped = 0;  ///< between the real-time threads and the publisher
   std::int64_t publish_errors = 0;
-  double checkpoint_age_s = -1.0;    ///< -1: there is none
-  std::int32_t storage_error = 0;    ///< errno of the last failure, 0: none
-  std::int64_t scans_not_level = 0;  ///< that 2D SLAM was not given, for the laser was tilted
+  double checkpoint_age_s = -1.0;      ///< -1: there is none
+  std::int32_t storage_error = 0;      ///< errno of the last failure, 0: none
+  std::optional<CloudHealth> cloud{};  ///< none: there is no 3D map
+  std::int64_t scans_not_level = 0;    ///< that 2D SLAM was not given, for the laser was tilted
 };
 
 }  // namespace odoless

@@ -66,7 +66,8 @@ struct PoseRecord {
   double effective_particles = 0.0;
   double log_likelihood_per_beam = 0.0;
   std::int32_t particles = 0;
-  std::int32_t updated = 0;  ///< 1: this scan was an update
+  std::int32_t updated = 0;     ///< 1: this scan was an update
+  std::int32_t map_number = 0;  ///< grows when the map is begun anew
 };
 
 /// A measured angle of the laser's tilt axis.

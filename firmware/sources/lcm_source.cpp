@@ -5,22 +5,16 @@
 #include "firmware/lcm/decode.hpp"
 
 namespace odoless {
-namespace {
+LcmSource::LcmSource(const LcmParams& params, std::string scan_channel, int beams_max)
+    : LcmSource(params, Names{.scan = std::move(scan_channel)}, beams_max) {}
 
-std::vector<std::string> wanted(const std::string& scan_channel, const std::string& motion_channel) {
-  std::vector<std::string> channels{scan_channel};
-  if (!motion_channel.empty()) {
-    channels.push_back(motion_channel);
-  }
-  return channels;
-}
+LcmSource::LcmSource(const LcmParams& params, const Channels& channels, int beams_max)
+    : LcmSource(params, Names{channels.scan, channels.scan_again, channels.motion, channels.motion_again}, beams_max) {}
 
-}  // namespace
-
-LcmSource::LcmSource(const LcmParams& params, std::string scan_channel, std::string motion_channel, int beams_max)
-    : scan_channel_(std::move(scan_channel)),
-      motion_channel_(std::move(motion_channel)),
-      receiver_(params, wanted(scan_channel_, motion_channel_)),
+// An unused name is empty, as no message's channel is.
+LcmSource::LcmSource(const LcmParams& params, Names names, int beams_max)
+    : names_(std::move(names)),
+      receiver_(params, {names_.scan, names_.scan_again, names_.motion, names_.motion_again}),
       ranges_m_(static_cast<std::size_t>(beams_max)) {}
 
 void LcmSource::work(std::int64_t /*now_ns*/, ScanSink& sink) {
@@ -29,13 +23,28 @@ void LcmSource::work(std::int64_t /*now_ns*/, ScanSink& sink) {
     if (!message) {
       return;
     }
-    if (message->channel == scan_channel_) {
-      const Result<RawScan> scan = decode_scan(message->payload, ranges_m_);
-      scan.ok() ? sink.on_scan(scan.value()) : void(++refused_);
-    } else {
-      const Result<MotionRecord> motion = decode_motion(message->payload);
-      motion.ok() ? sink.on_motion(motion.value()) : void(++refused_);
-    }
+    const bool is_scan = message->channel == names_.scan || message->channel == names_.scan_again;
+    is_scan ? take_scan(*message, sink) : take_motion(*message, sink);
+  }
+}
+
+void LcmSource::take_scan(const LcmMessage& message, ScanSink& sink) {
+  const Result<RawScan> scan = decode_scan(message.payload, ranges_m_);
+  if (!scan.ok()) {
+    ++refused_;
+  } else if (message.channel == names_.scan || scan.value().stamp_ns > last_scan_ns_) {
+    last_scan_ns_ = scan.value().stamp_ns;
+    sink.on_scan(scan.value());
+  }
+}
+
+void LcmSource::take_motion(const LcmMessage& message, ScanSink& sink) {
+  const Result<MotionRecord> motion = decode_motion(message.payload);
+  if (!motion.ok()) {
+    ++refused_;
+  } else if (message.channel == names_.motion || motion.value().to_stamp_ns > last_motion_ns_) {
+    last_motion_ns_ = motion.value().to_stamp_ns;
+    sink.on_motion(motion.value());
   }
 }
 

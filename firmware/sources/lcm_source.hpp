@@ -10,13 +10,15 @@
 namespace odoless {
 
 /// Scans, and perhaps motions, from LCM: another driver's planar_lidar_t, a log that lcm-logplayer plays, or the
-/// matcher of this robot in another process.
+/// matcher of this robot in another process, of which what was lost comes again.
 ///
 /// Thread: sensor thread. Real time: system calls recvfrom and those of the sink.
 class LcmSource final : public ScanSource {
  public:
-  /// @param motion_channel  Empty: scans alone.
-  LcmSource(const LcmParams& params, std::string scan_channel, std::string motion_channel, int beams_max);
+  /// Scans alone, from any channel.
+  LcmSource(const LcmParams& params, std::string scan_channel, int beams_max);
+  /// Scans and motions of a matcher elsewhere.
+  LcmSource(const LcmParams& params, const Channels& channels, int beams_max);
 
   /// Joins the group. Errc::kBadAddress or Errc::kUnavailable; `reason` then says more. Not for a real-time thread.
   [[nodiscard]] Errc open() { return receiver_.open(); }
@@ -31,11 +33,22 @@ class LcmSource final : public ScanSource {
 
  private:
   static constexpr int kMessagesPerRound = 64;
+  struct Names {
+    std::string scan{};
+    std::string scan_again{};
+    std::string motion{};
+    std::string motion_again{};
+  };
 
-  std::string scan_channel_;
-  std::string motion_channel_;
+  LcmSource(const LcmParams& params, Names names, int beams_max);
+  void take_scan(const LcmMessage& message, ScanSink& sink);
+  void take_motion(const LcmMessage& message, ScanSink& sink);
+
+  Names names_;
   LcmReceiver receiver_;
   std::vector<float> ranges_m_;
+  std::int64_t last_scan_ns_ = 0;  ///< stamps
+  std::int64_t last_motion_ns_ = 0;
   std::int64_t refused_ = 0;
 };
 

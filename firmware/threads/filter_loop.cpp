@@ -65,6 +65,7 @@ void FilterLoop::process(const MotionMessage& message) {
 void FilterLoop::obey(const FilterCommand& command) {
   switch (command.kind) {
     case FilterCommand::Kind::kReset:
+      ++map_number_;
       return stage_.reset(command.map_T_scan);
     case FilterCommand::Kind::kSetPose:
       return stage_.set_pose(command.map_T_scan);
@@ -97,6 +98,7 @@ void FilterLoop::publish(const FilterStep& step, const OdometryStep& motion) {
   record.log_likelihood_per_beam = step.report.log_likelihood_per_beam;
   record.particles = stage_.filter().particles();
   record.updated = step.updated ? 1 : 0;
+  record.map_number = map_number_;
   send(pipeline_, pipeline_.filter.outbox, RecordType::kPose, record);
   tiles_.send(pipeline_.filter.outbox, step, record.stamp_ns, motion.to_stamp_ns - motion.from_stamp_ns);
   if (tells_path_ && step.updated) {

@@ -43,6 +43,7 @@ class FilterLoop {
   TileSweep tiles_;
   PathSender path_;
   bool tells_path_ = false;
+  std::int32_t map_number_ = 0;
   FilterReport report_;
   StageTimer timer_;
   ThreadMeter meter_;

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
 #include "core/slam/slam.hpp"
 #include "firmware/pipeline/outbox.hpp"
 #include "firmware/records/records.hpp"

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import unittest
 
-from support import SOURCES, WORLD, DaemonCase, run
+from support import SOURCES, WORLD, DaemonCase, poses, run
 
 sys.path.append(os.path.join(SOURCES, "tests", "support"))
 from lcm_log import messages  # noqa: E402
@@ -30,12 +30,6 @@ def scans(path):
     """(stamp in s, ranges' bytes) of each scan, after the type's fingerprint."""
     return [(struct.unpack(">q", data[8:16])[0] * 1e-6, data[16:]) for channel, data in messages(path)
             if channel == "ODOLESS_SCAN"]
-
-
-def poses(path):
-    with open(path, encoding="utf-8") as file:
-        rows = [list(map(float, line.split())) for line in file if not line.startswith("#")]
-    return {round(row[0] * 1e6): (row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows}
 
 
 class RawTest(DaemonCase):

@@ -3,6 +3,7 @@
     split_test.py FOLDER_OF_PROGRAMS ROOT_OF_SOURCES
 """
 
+import collections
 import json
 import math
 import os
@@ -40,12 +41,13 @@ def poses(path):
 
 
 class Relay(threading.Thread):
-    """Takes the datagrams of one port to another, but for some that it drops."""
+    """Takes the datagrams of one port to another, but for some that it drops: which ones depends on no time, but on
+    their channel, their stamp, and how often both came before."""
 
     def __init__(self, from_port, to_port, dropped_share):
         super().__init__(daemon=True)
         self.to_port, self.dropped_share = to_port, dropped_share
-        self.random = random.Random(1)
+        self.seen = collections.Counter()
         self.passed = self.dropped = 0
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -58,7 +60,10 @@ class Relay(threading.Thread):
     def run(self):
         while True:
             datagram = self.socket.recv(1 << 16)
-            if self.random.random() < self.dropped_share:
+            channel, _, message = datagram[8:].partition(b"\0")
+            name = channel + message[8:16]  # behind the type's fingerprint
+            self.seen[name] += 1
+            if random.Random(f"{name}{self.seen[name]}").random() < self.dropped_share:
                 self.dropped += 1
             else:
                 self.passed += 1
@@ -161,18 +166,16 @@ class SplitTest(unittest.TestCase):
         self.assertGreater(relay.dropped, 20)
         self.assertGreater(self.summary("lossy")["datagrams_lost"], 10)
         lossy = poses(self.path("lossy/trajectory_online.tum"))
-        self.assertGreater(len(lossy), 0.85 * len(whole))
+        self.assertGreater(len(lossy), 0.98 * len(whole))  # the rest came when it was sent again
         off_m = max(math.dist(lossy[stamp], whole[stamp]) for stamp in lossy)
         answer = subprocess.run(program("odoless", "eval", "ate", self.path("whole/trajectory_online.tum"),
                                         self.path("lossy/trajectory_online.tum"), "--json"),
                                 check=True, capture_output=True, text=True)
         aligned_m = json.loads(answer.stdout)["translation_m"]
-        # Where the map's frame lies is decided in the first seconds, within a cell, by what is lost of these.
-        print(f"{relay.dropped} of {relay.dropped + relay.passed} datagrams lost: {aligned_m['rmse']:.3f} m off in one frame (at most "
-              f"{aligned_m['max']:.3f} m), {off_m:.3f} m in each one's own; {len(whole) - len(lossy)} of {len(whole)} poses missing", file=sys.stderr)
+        print(f"{relay.dropped} of {relay.dropped + relay.passed} datagrams lost: at most {off_m:.3f} m off; in one frame rmse "
+              f"{aligned_m['rmse']:.3f} m, at most {aligned_m['max']:.3f} m; {len(whole) - len(lossy)} of {len(whole)} poses missing", file=sys.stderr)
+        self.assertLess(off_m, 0.05)
         self.assertLess(aligned_m["rmse"], 0.02)
-        self.assertLess(aligned_m["max"], 0.10)
-        self.assertLess(off_m, 0.10)
 
     def test_a_played_log_drives_the_daemon_to_the_same_map(self):
         player = shutil.which("lcm-logplayer")

@@ -1,6 +1,7 @@
 """What tests of the daemon share: the daemon, emulated devices and `odoless ctl`, as on a robot."""
 
 import json
+import math
 import os
 import socket
 import subprocess
@@ -20,6 +21,13 @@ def program(name, *arguments):
 
 def run(*command, timeout=120):
     return subprocess.run(program(*command), capture_output=True, text=True, timeout=timeout, check=False)
+
+
+def poses(path):
+    """x, y and yaw by the stamp in us."""
+    with open(path, encoding="utf-8") as file:
+        rows = [list(map(float, line.split())) for line in file if not line.startswith("#")]
+    return {round(row[0] * 1e6): (row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows}
 
 
 class DaemonCase(unittest.TestCase):

@@ -101,9 +101,26 @@ def check_recorded(s):
     s.verdict("sparse", "scans far apart need cells of 4000 mm")
 
 
+def check_cloud(s):
+    rows = s.rows("cloud", "points")
+    distances_m = sorted(float(r["distance_to_truth_m"]) for r in rows)
+    median_m, most_m = statistics.median(distances_m), distances_m[int(0.95 * len(distances_m))]
+    s.hold(len(rows) > 5000 and median_m <= 0.020 and most_m <= 0.060,
+           f"the 3D map lies on its building: {len(rows)} points, median {median_m:.4f} m, 95 % within {most_m:.4f} m")
+    columns = {}  # of space, 0.25 m wide; where nothing stands, what is low is floor
+    for r in rows:
+        columns.setdefault((float(r["x_m"]) // 0.25, float(r["y_m"]) // 0.25), []).append(float(r["z_m"]))
+    free = [column for column in columns.values() if not any(0.2 < z_m < 1.2 for z_m in column)]
+    floor_m = sorted(abs(z_m) for column in free for z_m in column if abs(z_m) <= 0.2)
+    s.hold(len(floor_m) > 500 and floor_m[int(0.95 * len(floor_m))] <= 0.020,
+           f"its floor is flat: 95 % of {len(floor_m)} points within {floor_m[int(0.95 * len(floor_m))]:.4f} m")
+    s.verdict("cloud", "the trajectory of 2D DP-SLAM can be used")
+    s.verdict("cloud", "our aim: the floor is flat")
+
+
 def main():
     s = Statements(pathlib.Path(sys.argv[2]))
-    for check in (check_population, check_generations, check_noise, check_drift, check_recorded):
+    for check in (check_population, check_generations, check_noise, check_drift, check_cloud, check_recorded):
         check(s)
     return 1 if s.failures else 0
 

@@ -53,6 +53,10 @@ class Robot {
     }
   }
 
+  /// From now on the map has the robot elsewhere.
+  void leap(const Pose2& map_T_odom) { map_T_odom_ = map_T_odom; }
+  void begin_map() { ++map_number_; }
+
   /// The trajectory, put elsewhere.
   [[nodiscard]] std::vector<StampedPose> path(const Pose2& map_T_odom) const {
     std::vector<StampedPose> out;
@@ -73,13 +77,17 @@ class Robot {
     feed_.add(motion);
     PoseRecord pose;
     pose.stamp_ns = stamp_ns;
-    pose.map_T_scan = odom_T_scan(stamp_ns);
+    pose.map_T_odom = map_T_odom_;
+    pose.map_T_scan = map_T_odom_ * odom_T_scan(stamp_ns);
+    pose.map_number = map_number_;
     pose.update_stamp_ns = updates_ns_.back();
     pose.update_T_scan = odom_T_scan(updates_ns_.back()).inverse() * odom_T_scan(stamp_ns);
     feed_.add(pose);
   }
 
   CloudFeed& feed_;
+  Pose2 map_T_odom_{};
+  std::int32_t map_number_ = 0;
   std::int64_t scan_ = 0;
   std::vector<std::int64_t> updates_ns_;
 };
@@ -117,7 +125,7 @@ TEST(CloudFeed, WaitsForPosesAndAnglesAndPutsPointsWhereTheyBelong) {
   Robot robot(feed);
   robot.drive(240, 20);  // a level scan every half second
   EXPECT_GT(feed.cloud().keys().size(), 1U);
-  EXPECT_EQ(feed.scans_left_out(), 0);
+  EXPECT_EQ(feed.health().scans_left_out, 0);
   // Every point is 4 m from where the laser was, 0.6 m high, at some time.
   for (const Point3& p : points_in_map(feed)) {
     const double x_m = std::clamp(p.x_m, 0.0, 3.0);
@@ -134,7 +142,7 @@ TEST(CloudFeed, LeavesOutScansWithoutPosesAndGoesOn) {
   robot.drive(200, 1'000);  // 5 s without a level scan: longer than pose_gap_max_s, and than scans may wait
   EXPECT_EQ(feed.cloud().size(), before);
   robot.drive(40);
-  EXPECT_GT(feed.scans_left_out(), 150);
+  EXPECT_GT(feed.health().scans_left_out, 150);
   EXPECT_GT(feed.cloud().size(), before);
 }
 
@@ -166,6 +174,54 @@ TEST(CloudFeed, PublishesEveryPointInPiecesAndAnewWhatIsCorrected) {
     EXPECT_NEAR(after[i].x_m, moved.x_m, 1e-4);
     EXPECT_NEAR(after[i].y_m, moved.y_m, 1e-4);
   }
+}
+
+TEST(CloudFeed, EndsWithAllThatIsReadyWhereTheFinalTrajectoryHasIt) {
+  CloudFeed feed(params(), kBeams);
+  Robot robot(feed);
+  robot.drive(100);
+  robot.drive(70, 35);
+  robot.drive(1, 170);  // with this pose more scans are ready than one round takes
+  const std::size_t before = feed.cloud().size();
+  const Pose2 correction{0.5, -0.3, 0.1};
+  const CloudKey first = feed.cloud().keys()[0];
+  feed.finish(robot.path(correction));
+  EXPECT_GT(feed.cloud().size(), before);
+  const Pose2 moved = correction * first.map_T_key;
+  EXPECT_LT(feed.cloud().keys()[0].map_T_key.distance_m(moved), 1e-6);
+  EXPECT_EQ(feed.health().points, static_cast<std::int64_t>(feed.cloud().size()));
+}
+
+TEST(CloudFeed, BeginsAnewWithTheMapAndAKeyWhereTheRobotLeaps) {
+  CloudFeed feed(params(), kBeams);
+  Robot robot(feed);
+  robot.drive(100);
+  std::map<int, std::pair<int, std::vector<CloudPoint>>> reader;
+  read_all(feed, reader);
+  ASSERT_EQ(reader[0].first, 1);
+  const std::size_t keys = feed.cloud().keys().size();
+  robot.leap({5.0, 0.0, 0.0});
+  robot.drive(5);
+  EXPECT_EQ(feed.cloud().keys().size(), keys + 1);
+  EXPECT_NEAR(feed.cloud().keys().back().map_T_key.x_m, 5.0 + 0.5 * 100 * 0.025, 0.05);
+  robot.begin_map();
+  robot.drive(10);
+  EXPECT_EQ(feed.cloud().keys().size(), 1U) << "nothing of before";
+  read_all(feed, reader);
+  EXPECT_EQ(reader[0].first, 2) << "a reader sees that these are other points";
+}
+
+TEST(CloudFeed, SaysWhenItIsFull) {
+  MappingParams small = params();
+  small.cloud.points_max = 2'000;
+  CloudFeed feed(small, kBeams);
+  Robot robot(feed);
+  robot.drive(20);
+  EXPECT_GT(feed.health().points, 100);
+  robot.drive(200);
+  EXPECT_EQ(feed.health().points, 2'000);
+  EXPECT_EQ(feed.health().used, 1.0);
+  EXPECT_GT(feed.health().refused, 0);
 }
 
 TEST(CloudFeed, MessagesFitADatagramAndHoldPointsKeyAndEdition) {

@@ -111,7 +111,8 @@ TEST_F(HealthMonitorTest, WhatDoesNotTouchThePoseLeavesItOk) {
   surroundings_.standing_reasons = kReasonNotRealTime;
   surroundings_.storage_error = 28;
   filter_.paused = true;
-  expect(HealthState::kOk, kReasonNotRealTime | kReasonStorage | kReasonPaused);
+  surroundings_.cloud = CloudHealth{.refused = 1};
+  expect(HealthState::kOk, kReasonNotRealTime | kReasonStorage | kReasonPaused | kReasonCloudFull);
 }
 
 /// A count, and the reason that it gives when it grows.
@@ -149,6 +150,8 @@ INSTANTIATE_TEST_SUITE_P(
                 [](auto&, auto& matcher, auto&, auto&) { ++matcher.stage.deadline_misses; }},
         Growing{"Tiles", kReasonMapFull, [](auto&, auto&, auto& filter, auto&) { ++filter.refused_tiles; }},
         Growing{"Outside", kReasonMapFull, [](auto&, auto&, auto& filter, auto&) { ++filter.outside_tiles; }},
+        Growing{"Cloud", kReasonCloudFull,
+                [](auto&, auto&, auto&, auto& around) { around.cloud = CloudHealth{.refused = 1}; }},
         Growing{"Publishing", kReasonPublishing, [](auto&, auto&, auto&, auto& around) { ++around.publish_errors; }},
         Growing{"Datagrams", kReasonDatagramsLost,
                 [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.datagrams_lost; }}),
@@ -156,7 +159,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(HealthText, EveryReasonHasItsOwnWords) {
   std::string before;
-  for (std::uint32_t reason = 1; reason <= kReasonPaused; reason <<= 1U) {
+  for (std::uint32_t reason = 1; reason <= kReasonCloudFull; reason <<= 1U) {
     const std::string text = reasons_text(reason);
     EXPECT_FALSE(text.empty()) << reason;
     EXPECT_NE(text, before);

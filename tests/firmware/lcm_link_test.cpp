@@ -19,6 +19,7 @@ namespace odoless {
 namespace {
 
 using test::KeepingTap;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 constexpr std::size_t kMapCellsMax = 1'000'000;
@@ -161,6 +162,11 @@ TEST_F(LcmLinkTap, ReportsHealthAndThatTheLaserLives) {
   EXPECT_EQ(health.allocations, 0);
   EXPECT_EQ(health.checkpoint_age_s, -1.0);
   EXPECT_EQ(health.storage_error, 28);
+  const auto cloud = tap_.last<cloud_health_t>("ODOLESS_CLOUD_HEALTH");
+  EXPECT_EQ(cloud.points, 5000);
+  EXPECT_EQ(cloud.used, 0.25);
+  EXPECT_EQ(cloud.refused, 3);
+  EXPECT_EQ(cloud.scans_left_out, 4);
   EXPECT_EQ(tap_.last<bot_core::sensor_status_t>("ODOLESS_LRF_STATUS").rate, 40.0);
   for (const auto& [laser, type] : {std::pair<LrfDriver, int>(LrfDriver::kScip, 3),
                                     {LrfDriver::kSick, 2},
@@ -303,9 +309,9 @@ TEST(LcmLink, SendsOneOfEachToWhoeverListens) {
   params.raw_bytes = true;
   const Channels c;
   const std::vector<std::string> all{
-      c.tilt,        c.scan,        c.lrf_raw_rx, c.lrf_raw_tx, c.motion,     c.pose,        c.pose_covariance,
-      c.map_to_odom, c.map_tile,    c.map,        c.health,     c.lrf_status, c.scan_points, c.tilt_raw_rx,
-      c.tilt_raw_tx, c.gpio_raw_rx, c.gpio_raw_tx};
+      c.tilt,        c.scan,        c.lrf_raw_rx,  c.lrf_raw_tx,  c.motion,     c.pose,        c.pose_covariance,
+      c.map_to_odom, c.map_tile,    c.map,         c.health,      c.lrf_status, c.scan_points, c.tilt_raw_rx,
+      c.tilt_raw_tx, c.gpio_raw_rx, c.gpio_raw_tx, c.cloud_health};
   LcmReceiver receiver(params, all);
   ASSERT_EQ(receiver.open(), Errc::kOk) << receiver.reason();
   LcmLink link(params, kMapCellsMax);
@@ -356,6 +362,7 @@ TEST(LcmLink, AllocatesNothingOnceItRuns) {
   params.url = test::lcm_url();
   params.raw_bytes = true;
   LcmLink link(params, kMapCellsMax);
+  link.send_again();
   ASSERT_EQ(link.open(), Errc::kOk) << link.reason();
   const std::vector<float> ranges_m = test::example_ranges_m(1081);
   const std::vector<std::uint8_t> cells = noisy_cells(600 * 600);

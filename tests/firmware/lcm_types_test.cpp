@@ -50,6 +50,9 @@ TEST(LcmTypes, NameHealthAsTheRecordsDo) {
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_NOT_REAL_TIME), kReasonNotRealTime);
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_STAGE_SILENT), kReasonStageSilent);
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_PAUSED), kReasonPaused);
+  EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_STOPPED), kReasonStopped);
+  EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_GPIO), kReasonGpio);
+  EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_CLOUD_FULL), kReasonCloudFull);
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_TILT), kReasonTilt);
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_NOT_LEVEL), kReasonNotLevel);
 }

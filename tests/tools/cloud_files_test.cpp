@@ -8,6 +8,7 @@
 #include "core/base/rng.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tools/command/error.hpp"
 #include "tools/output/cloud_picture.hpp"
 
 namespace odoless {
@@ -68,6 +69,22 @@ TEST(CloudFiles, PcdHoldsEveryPointAndItsColour) {
     expect_place(body, 16 * i, points[i]);
     const Rgb colour = colours.at(points[i].z_m);
     EXPECT_EQ(value_at<std::uint32_t>(body, 16 * i + 12), colour.red * 65536U + colour.green * 256U + colour.blue);
+  }
+}
+
+TEST(CloudFiles, PlyReadsBackOrIsRefused) {
+  const test::TemporaryFolder folder;
+  const std::vector<Point3> points = random_points(1'000);
+  const std::string bytes = cloud_ply(points, HeightColours(points));
+  const std::vector<Point3> back = read_cloud_ply(folder.file("cloud.ply", bytes));
+  ASSERT_EQ(back.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(back[i].x_m, points[i].x_m, 1e-6);
+    EXPECT_NEAR(back[i].y_m, points[i].y_m, 1e-6);
+    EXPECT_NEAR(back[i].z_m, points[i].z_m, 1e-6);
+  }
+  for (const std::size_t size : {std::size_t{0}, std::size_t{3}, std::size_t{100}, bytes.size() - 1}) {
+    EXPECT_THROW(static_cast<void>(read_cloud_ply(folder.file("cut.ply", bytes.substr(0, size)))), DataError) << size;
   }
 }
 

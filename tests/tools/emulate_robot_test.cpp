@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <bot_core/raw_t.hpp>
+#include <cmath>
 #include <limits>
+#include <memory>
 
 #include "drivers/io/candump_text.hpp"
 #include "firmware/gpio/gpio_recorder.hpp"
@@ -13,10 +15,14 @@
 #include "tests/support/run_command.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/tools/servo_support.hpp"
+#include "tests/tools/sim_support.hpp"
 #include "tools/command/error.hpp"
 #include "tools/emulate/emulated_gpio.hpp"
 #include "tools/emulate/raw_player.hpp"
 #include "tools/emulate/recorded_gpio.hpp"
+#include "tools/emulate/traced_servo.hpp"
+#include "tools/emulate/world_source.hpp"
+#include "tools/sim/world_file.hpp"
 
 namespace odoless {
 namespace {
@@ -385,6 +391,57 @@ TEST(EmulateRobot, RefusesWhatMakesNoSense) {
   EXPECT_THAT(test::run({"emulate", "robot", "--from", "x.world"}).err, HasSubstr("--pty, --tcp and --usbip"));
   EXPECT_EQ(test::run({"emulate", "robot", "--from", "x.world", "--from-raw", "y", "--pty", "z"}).status, 64);
   EXPECT_THAT(test::run({"emulate", "gpio", "--fault", "garbage@1"}).err, HasSubstr("not of GPIO lines"));
+}
+
+/// Turns by 1 rad/s from 0.
+class TurningServo final : public EmulatedServo {
+ public:
+  void receive(std::span<const std::byte> /*bytes*/, std::int64_t now_ns) override { tick(now_ns); }
+  void tick(std::int64_t now_ns) override { angle_rad_ = static_cast<double>(now_ns) * 1e-9; }
+  [[nodiscard]] std::int64_t next_event_ns() const override { return kNever; }
+  [[nodiscard]] std::vector<ServoFrame> take_output() override { return {}; }
+  [[nodiscard]] double angle_rad() const override { return angle_rad_; }
+  [[nodiscard]] double velocity_radps() const override { return 1.0; }
+
+ private:
+  double angle_rad_ = 0.0;
+};
+
+TEST(TracedServo, KnowsWhereItsAxisHasBeen) {
+  TracedServo servo(std::make_unique<TurningServo>());
+  servo.tick(100 * kMs);
+  servo.receive({}, 300 * kMs);
+  EXPECT_NEAR(servo.angle_rad_at(100 * kMs), 0.1, 1e-12);
+  EXPECT_NEAR(servo.angle_rad_at(250 * kMs), 0.25, 1e-12) << "between two looks";
+  EXPECT_NEAR(servo.angle_rad_at(310 * kMs), 0.31, 1e-12) << "not yet looked at: time passes until then";
+  EXPECT_NEAR(servo.angle_rad(), 0.31, 1e-12);
+}
+
+TEST(TiltedWorldSource, SeesFloorAndWallsEachBeamAtItsOwnTilt) {
+  WorldDrive drive{.world = parse_world("ceiling 2.5\nroom 0 0  8 6\ngo 2 3  4 3\n", "room"),
+                   .start_delay_s = 100.0,
+                   .noise_sd_m = 0.0,
+                   .distortion = true};
+  WorldSource source(25 * kMs, std::move(drive));
+  const TiltMountParams mount{.robot_T_tilt = {.z_m = 0.6}};
+  const double floor_rad = 30.0 * test::kRadPerDeg;
+  const double wall_rad = 2.0 * test::kRadPerDeg;
+  source.tilt({TiltMount(mount), [&](std::int64_t time_ns) { return time_ns < 10 * kMs ? floor_rad : wall_rad; }});
+  const std::vector<EmulatedBeam> beams{{0.0, 1 * kMs}, {0.0, 20 * kMs}};
+  std::vector<double> ranges_m(2);
+  source.measure(0, beams, ranges_m);
+  EXPECT_NEAR(ranges_m[0], 0.6 / std::sin(floor_rad), 1e-9);
+  EXPECT_NEAR(ranges_m[1], 6.0 / std::cos(wall_rad), 1e-9);
+}
+
+TEST(EmulateRobot, TiltsNothingWithoutAServoOrAWorld) {
+  const test::TemporaryFolder folder;
+  const std::string config = folder.file("robot.toml", "").string();
+  const std::string world = folder.file("room.world", "room 0 0  8 6\ngo 2 3  4 3\n").string();
+  const test::Outcome none =
+      test::run({"emulate", "robot", "--from", world, "--pty", (folder.path() / "laser").string(), "--config", config});
+  EXPECT_EQ(none.status, 64);
+  EXPECT_THAT(none.err, HasSubstr("--servo-pty"));
 }
 
 }  // namespace

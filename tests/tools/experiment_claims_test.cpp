@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/rng.hpp"
+#include "tools/experiment/cloud_claims.hpp"
 #include "tools/experiment/fitness_claims.hpp"
 #include "tools/experiment/matching_claims.hpp"
 #include "tools/experiment/motion_claims.hpp"
@@ -219,6 +220,32 @@ TEST(Corridor, HidesTravelAndHoldsAcross) {
   EXPECT_FALSE(corridor_hides_travel(seen).agrees);
   EXPECT_TRUE(corridor_holds_across(lost).agrees);
   EXPECT_FALSE(corridor_holds_across(seen).agrees);
+}
+
+TEST(Cloud, LiesOnItsSurfacesOrNot) {
+  CloudOutput output{.points = std::vector<Point3>(10), .distance_median_m = 0.019, .distance_95_m = 0.059};
+  EXPECT_TRUE(projects_onto_surfaces("5.34", "s", output).agrees);
+  output.distance_median_m = 0.021;
+  EXPECT_FALSE(projects_onto_surfaces("5.34", "s", output).agrees);
+  output.distance_median_m = 0.019;
+  output.distance_95_m = 0.061;
+  EXPECT_FALSE(projects_onto_surfaces("5.34", "s", output).agrees);
+  EXPECT_FALSE(projects_onto_surfaces("5.34", "s", CloudOutput{}).agrees) << "no point is no map";
+}
+
+TEST(Cloud, HasAFlatFloorOrNot) {
+  CloudOutput output{.floor_deviation_95_m = 0.019, .saw_floor_and_walls = true};
+  EXPECT_TRUE(floor_is_flat("5.34", output).agrees);
+  output.floor_deviation_95_m = 0.021;
+  EXPECT_FALSE(floor_is_flat("5.34", output).agrees);
+  output = {.floor_deviation_95_m = 0.0, .saw_floor_and_walls = false};
+  EXPECT_FALSE(floor_is_flat("5.34", output).agrees) << "no floor was seen";
+}
+
+TEST(Cloud, HoldsMostScansOrNot) {
+  EXPECT_TRUE(most_scans_are_mapped("-", "s", {.scans_in_cloud = 75, .scans_without_pose = 25}).agrees);
+  EXPECT_FALSE(most_scans_are_mapped("-", "s", {.scans_in_cloud = 74, .scans_without_pose = 26}).agrees);
+  EXPECT_FALSE(most_scans_are_mapped("-", "s", {}).agrees);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "tests/support/temporary_folder.hpp"
 #include "tests/tools/sim_support.hpp"
+#include "tools/command/error.hpp"
 #include "tools/experiment/builtin_files.hpp"
 #include "tools/experiment/measures.hpp"
 #include "tools/experiment/plots.hpp"
@@ -142,6 +143,27 @@ TEST(MapFiles, ReadBackWhatWasWritten) {
 
 TEST(Table, IsCommaSeparatedUnderItsHeader) {
   EXPECT_EQ(format_csv({"t", {"a_m", "b_rad"}, {{1.0, 0.25}, {-2.0, 1e-7}}}), "a_m,b_rad\n1,0.25\n-2,1e-07\n");
+}
+
+TEST(Table, ReadsBackOrIsRefused) {
+  const Table table = parse_csv("t", "a_m,b_rad\n1,0.25\n-2,1e-07\n");
+  EXPECT_EQ(table.name, "t");
+  EXPECT_EQ(table.columns, (std::vector<std::string>{"a_m", "b_rad"}));
+  EXPECT_EQ(table.rows, (std::vector<std::vector<double>>{{1.0, 0.25}, {-2.0, 1e-7}}));
+  EXPECT_THROW(static_cast<void>(parse_csv("t", "a_m,b_rad\n1\n")), DataError) << "a field is missing";
+  EXPECT_THROW(static_cast<void>(parse_csv("t", "a_m,b_rad\n1,x\n")), DataError);
+}
+
+TEST(Figure, DrawsAPictureWithAxesOrAViewWithout) {
+  const Canvas canvas(2, 1, {255, 0, 0});
+  const Chart plan{.title = "plan", .picture = Underlay{canvas, 3.0, 4.0, 0.5}};
+  const std::string with_axes = gnuplot_script({.name = "f", .panels = {plan}});
+  EXPECT_NE(with_axes.find("\"f-1.png\" binary filetype=png dx=0.500000 dy=0.500000 origin=(3.250000,4.250000)"),
+            std::string::npos)
+      << "the middle of the lower left pixel";
+  EXPECT_EQ(with_axes.find("unset tics"), std::string::npos);
+  const std::string view = gnuplot_script({.name = "f", .panels = {{.picture = Underlay{.canvas = canvas}}}});
+  EXPECT_NE(view.find("unset tics"), std::string::npos);
 }
 
 }  // namespace

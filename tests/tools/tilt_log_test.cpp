@@ -6,6 +6,7 @@
 #include "tests/support/data.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tools/command/error.hpp"
+#include "tools/sim/path.hpp"
 #include "tools/sim/tilted_simulation.hpp"
 #include "tools/sim/world_file.hpp"
 
@@ -62,6 +63,9 @@ TEST(TiltLog, SaysWhatIsWrongWhere) {
   EXPECT_THAT(failure(kFirst + "1.1,100.2,90,5.1,-1,1,0.5,0,0.05,10,9,1\n"), HasSubstr("do not fit 9 ranges"));
   EXPECT_THAT(failure(kFirst + "1.1,100.2,90,5.1,-1,1,0,0,0.05,10,1,1\n"), HasSubstr("angle_inc"));
   EXPECT_THAT(failure(kFirst + "1.1,100.2,90,5.1,-1,1,0.1,7,0.05,10,1,1\n"), HasSubstr("time_inc"));
+  EXPECT_THAT(failure(kFirst + "1.1,100.2,inf,5.1,-1,1,0.5,0,0.05,10,1,1\n"), HasSubstr("log:2"));
+  EXPECT_THAT(failure(kFirst + "1.1,-3.1e9,90,5.1,-1,1,0.5,0,0.05,10,1,1\n"), HasSubstr("3e9 s"));
+  EXPECT_THAT(failure(kFirst + "1.1,100.2,90,9e9,-1,1,0.5,0,0.05,10,1,1\n"), HasSubstr("3e9 s"));
 }
 
 TEST(TiltLog, IsToldFromOtherLogs) {
@@ -99,6 +103,14 @@ TEST(TiltLog, ReadsWhatItWrote) {
                 1e-7);
     EXPECT_NEAR(read.scans[i].ranges_m[45], made.log.scans[i].ranges_m[45], 0.00051);
   }
+}
+
+TEST(SlowedWorld, IsDrivenNoFasterThanThat) {
+  const World world = parse_world("room 0 0 6 5\nspeed 1.0\ngo 1 1  3 1\nspeed 0.25\ngo 5 1\n", "world");
+  const auto drive_s = [](const World& driven) { return Path(driven.waypoints).duration_s(); };
+  EXPECT_NEAR(drive_s(world), 2.0 + 8.0, 1e-9);
+  EXPECT_NEAR(drive_s(slowed(world, 0.5)), 4.0 + 8.0, 1e-9);
+  EXPECT_NEAR(drive_s(slowed(world, 2.0)), 2.0 + 8.0, 1e-9);
 }
 
 TEST(SimulatedTilt, NodsOrRestsWithinItsEndsAtItsSpeed) {

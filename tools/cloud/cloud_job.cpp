@@ -1,5 +1,6 @@
 #include "tools/cloud/cloud_job.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -25,19 +26,29 @@ struct Input {
   std::vector<StampedPose> truth;
 };
 
-Input read_input(const CloudJob& job) {
+Input read_whole_input(const CloudJob& job) {
   Input input;
   if (std::filesystem::path(job.input).extension() != ".world") {
     input.log = read_tilt_log(job.input);
     return input;
   }
-  input.world = read_world(job.input);
+  input.world = slowed(read_world(job.input), job.speed_max_mps);
   const TiltMount mount(job.true_mount.value_or(job.params.mapping.mount));
   TiltedSimulation simulation = simulate_tilted(input.world, mount, job.lrf, job.tilt, job.seed);
   input.log = std::move(simulation.log);
   input.truth = std::move(simulation.truth);
   if (job.write_log) {
     write_whole_file(job.out / "tilt_log.csv", tilt_csv(input.log, input.log.row_offset_ns));
+  }
+  return input;
+}
+
+Input read_input(const CloudJob& job) {
+  Input input = read_whole_input(job);
+  const auto scans_max = static_cast<std::size_t>(job.scans_max);
+  if (scans_max > 0 && input.log.scans.size() > scans_max) {
+    input.log.scans.resize(scans_max);
+    input.truth.resize(std::min(input.truth.size(), scans_max));
   }
   return input;
 }
@@ -57,7 +68,8 @@ CloudTruth compare(const Input& input, const CloudResult& result) {
   for (const Point3& p_map : result.points) {
     distances_m.push_back(distance_m(input.world.building, world_T_map * p_map));
   }
-  return {summarise(std::move(distances_m)), ate.errors.translation_m};
+  const Statistics distance = summarise(distances_m);
+  return {std::move(distances_m), distance, ate.errors.translation_m};
 }
 
 nlohmann::ordered_json to_json(const Statistics& statistics, double unit) {
@@ -96,6 +108,8 @@ nlohmann::ordered_json summary_of(const CloudResult& result) {
   return summary;
 }
 
+}  // namespace
+
 std::vector<Point3> points_of_keys(const KeyedCloud& cloud, std::size_t keys) {
   std::vector<Point3> points;
   for_each_point(cloud, [&](std::size_t key, const Point3& p_map, std::uint32_t) {
@@ -105,8 +119,6 @@ std::vector<Point3> points_of_keys(const KeyedCloud& cloud, std::size_t keys) {
   });
   return points;
 }
-
-}  // namespace
 
 CloudResult run_cloud_job(const CloudJob& job, const ReplayProgress& progress) {
   const Input input = read_input(job);

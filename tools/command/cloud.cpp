@@ -104,6 +104,9 @@ void add_simulation_options(CLI::App& command, CloudOptions& options) {
   SimulatedLrfParams::describe(options.job.lrf, parameters);
   ParameterOptions tilt(command, "tilt_");
   TiltMotionParams::describe(options.job.tilt, tilt);
+  command
+      .add_option("--speed-max-mps", options.job.speed_max_mps, "Drive a simulated robot no faster [as its world says]")
+      ->check(CLI::Range(0.01, 10.0));
   command.add_flag("--write-log", options.job.write_log, "Write the simulated log too: tilt_log.csv");
 }
 

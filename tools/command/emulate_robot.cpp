@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 
+#include "config/config.hpp"
+#include "firmware/daemon/daemon_params.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/emulate.hpp"
 #include "tools/command/emulate_devices.hpp"
@@ -16,12 +18,15 @@
 #include "tools/emulate/looped_recording.hpp"
 #include "tools/emulate/lrf_emulator.hpp"
 #include "tools/emulate/recorded_gpio.hpp"
+#include "tools/emulate/traced_servo.hpp"
+#include "tools/emulate/world_source.hpp"
 
 namespace odoless {
 namespace {
 
 struct EmulateRobotOptions {
   std::string from_raw;
+  std::string config;
   EmulateLrfOptions laser;
   EmulateServoOptions servo;
   std::string gpio;
@@ -41,11 +46,33 @@ EmulatedGpio::PulseTime pulses_of(const EmulatedLaser& laser, std::int64_t delay
   };
 }
 
+/// The servo tilts the laser of a world, as the robot's file says that they are mounted.
+void tilt_laser(const EmulateRobotOptions& options, const EmulatedLaser& laser, TracedServo* servo) {
+  if (options.config.empty()) {
+    return;
+  }
+  auto* const world = dynamic_cast<WorldSource*>(laser.source.get());
+  if (world == nullptr || servo == nullptr) {
+    throw UsageError(
+        "--config: only a servo can tilt, and only the laser of a world; expected --from WORLD.world and "
+        "--servo-can or --servo-pty");
+  }
+  DaemonParams params;
+  load_parameters(options.config, params);
+  const double sense = params.tilt.inverted ? -1.0 : 1.0;
+  world->tilt({TiltMount(params.mapping.mount),
+               [servo, sense, level_rad = params.tilt.level_angle_rad, &device = *laser.device](std::int64_t time_ns) {
+                 const std::int64_t host_ns = time_ns - device.source_time_ns(0).value_or(0);
+                 return sense * (servo->angle_rad_at(host_ns) - level_rad);
+               }});
+}
+
 void run_emulated(const EmulateRobotOptions& options) {
   const EmulatedLaser laser = make_laser(options.laser);
   EmulatedGpio gpio(gpio_faults(options.gpio_faults), pulses_of(laser, std::llround(options.pulse_delay_ms * 1e6)),
                     monotonic_ns());
-  const std::unique_ptr<EmulatedServo> servo = options.has_servo() ? make_servo(options.servo) : nullptr;
+  const auto servo = options.has_servo() ? std::make_unique<TracedServo>(make_servo(options.servo)) : nullptr;
+  tilt_laser(options, laser, servo.get());
   const std::unique_ptr<ServoLine> servo_line = servo ? make_servo_line(options.servo) : nullptr;
   const std::unique_ptr<EmulatedLine> line = make_line(options.laser);
   say(fmt::format("{} on {}", laser.product, line->path()));
@@ -185,6 +212,9 @@ void add_emulate_robot(CLI::App& emulate) {
   add_line_options(*command, options->laser, false);
   add_laser_options(*command, options->laser);
   add_servo_options(*command, options->servo);
+  command->add_option("--config", options->config,
+                      "Robot file: the servo tilts the laser of a world as its [tilt] and [mapping.mount] say, and the "
+                      "laser sees the world in space [the servo tilts nothing]");
   command->add_option("--gpio", options->gpio,
                       "Name of a chip of gpio-sim for its wires: NAME-stop, NAME-sync, NAME-power, NAME-led (root)");
   command->add_option("--pulse-delay-ms", options->pulse_delay_ms, "From the start of the laser's turn to its pulse")

@@ -21,17 +21,25 @@ std::int64_t WorldSource::duration_ns() const {
   return std::llround((drive_.start_delay_s + path_.duration_s() / drive_.speed_ratio) * 1e9);
 }
 
+double WorldSource::true_range_m(std::int64_t time_ns, const Pose2& world_T_robot, double angle_rad) const {
+  if (tilt_) {
+    return cast_beam_m(drive_.world.building,
+                       Pose3::of(world_T_robot) * tilt_->mount.robot_T_laser(tilt_->tilt_rad(time_ns)), angle_rad);
+  }
+  const double world_angle_rad = world_T_robot.yaw_rad + angle_rad;
+  return cast_ray_m(drive_.world, static_cast<double>(time_ns) * 1e-9, {world_T_robot.x_m, world_T_robot.y_m},
+                    {std::cos(world_angle_rad), std::sin(world_angle_rad)});
+}
+
 void WorldSource::measure(std::int64_t index, std::span<const EmulatedBeam> beams, std::span<double> ranges_m) {
   Rng noise(drive_.seed, static_cast<std::uint64_t>(index));
-  Pose2 world_T_scan = beams.empty() ? Pose2{} : pose_at(start_ns(index) + beams.front().time_ns);
+  Pose2 world_T_robot;
   for (std::size_t i = 0; i < beams.size(); ++i) {
-    if (drive_.distortion) {
-      world_T_scan = pose_at(start_ns(index) + beams[i].time_ns);
+    const std::int64_t time_ns = start_ns(index) + beams[drive_.distortion ? i : 0].time_ns;
+    if (drive_.distortion || i == 0) {
+      world_T_robot = pose_at(time_ns);
     }
-    const double angle_rad = world_T_scan.yaw_rad + beams[i].angle_rad;
-    const double time_s = static_cast<double>(start_ns(index) + (drive_.distortion ? beams[i].time_ns : 0)) * 1e-9;
-    const double true_m = cast_ray_m(drive_.world, time_s, {world_T_scan.x_m, world_T_scan.y_m},
-                                     {std::cos(angle_rad), std::sin(angle_rad)});
+    const double true_m = true_range_m(time_ns, world_T_robot, beams[i].angle_rad);
     ranges_m[i] = std::max(0.0, true_m + drive_.noise_sd_m * noise.normal());
   }
 }

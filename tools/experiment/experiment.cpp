@@ -13,11 +13,10 @@ const Run& Evidence::find(const std::string& name) const {
   return *run;
 }
 
-// Figures 5.34 to 5.40 (the 3D map) have their place at the end of this list.
 std::vector<Experiment> all_experiments(Extent extent) {
   std::vector<Experiment> all;
   for (const auto group : {matching_experiments, drift_experiments, recorded_matching_experiments, motion_experiments,
-                           mapping_experiments, recorded_mapping_experiments, world_experiments}) {
+                           mapping_experiments, recorded_mapping_experiments, cloud_experiments, world_experiments}) {
     for (Experiment& experiment : group(extent)) {
       all.push_back(std::move(experiment));
     }

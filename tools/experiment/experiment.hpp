@@ -35,6 +35,8 @@ class Evidence {
       : runs_(runs), sources_(std::move(sources)), runs_folder_(std::move(runs_folder)) {}
 
   [[nodiscard]] RunOutput output(const std::string& name) const { return read_run(find(name), runs_folder_ / name); }
+  /// Where the files of the run of this name are.
+  [[nodiscard]] std::filesystem::path folder(const std::string& name) const { return runs_folder_ / name; }
   /// The scans and true poses that the run of this name was made with.
   [[nodiscard]] SceneData scene(const std::string& name) const { return load_scene(find(name).scene, sources_); }
   [[nodiscard]] std::span<const Run> runs() const { return runs_; }

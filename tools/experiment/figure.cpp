@@ -17,7 +17,9 @@ constexpr int kSquareHeightPx = 560;
 constexpr int kUnknownGrey = 205;
 constexpr int kMapPixelsMax = 700;  // a side: more is not seen, and takes room in the report
 
-bool is_alike(const Chart& panel) { return panel.alike || panel.map.has_value(); }
+bool is_alike(const Chart& panel) { return panel.alike || panel.map.has_value() || panel.picture.has_value(); }
+
+bool has_axes(const Chart& panel) { return !panel.picture || panel.picture->m_per_px > 0.0; }
 
 bool is_square(const Figure& figure) { return std::any_of(figure.panels.begin(), figure.panels.end(), is_alike); }
 
@@ -117,6 +119,13 @@ std::string map_clause(const OccupancyMap& map, const Crop& crop, const std::str
                      pixel_m, bottom_m, pixel_m);
 }
 
+std::string picture_clause(const Underlay& picture, const std::string& file) {
+  const double pixel_m = picture.m_per_px > 0.0 ? picture.m_per_px : 1.0;
+  return fmt::format("{} binary filetype=png dx={:.6f} dy={:.6f} origin=({:.6f},{:.6f}) with rgbimage notitle",
+                     in_quotes(file), pixel_m, pixel_m, picture.left_m + pixel_m / 2.0,
+                     picture.bottom_m + pixel_m / 2.0);
+}
+
 std::string data_block(const std::string& name, const std::string& data) {
   return fmt::format("{} << EOD\n{}EOD\n", name, data);
 }
@@ -127,7 +136,8 @@ struct PlotCommand {
   std::vector<std::string> clauses;
 };
 
-PlotCommand plot_command(const Chart& panel, int number) {
+PlotCommand plot_command(const Figure& figure, std::size_t number) {
+  const Chart& panel = figure.panels[number];
   PlotCommand command;
   if (panel.map) {
     if (const Crop crop = known_part(*panel.map); crop.column_end > crop.column_begin) {
@@ -135,6 +145,9 @@ PlotCommand plot_command(const Chart& panel, int number) {
       command.data += data_block(block, matrix_of(*panel.map, crop));
       command.clauses.push_back(map_clause(*panel.map, crop, block));
     }
+  }
+  if (panel.picture) {
+    command.clauses.push_back(picture_clause(*panel.picture, picture_file(figure, number)));
   }
   for (const Series& series : panel.series) {
     const std::string block = fmt::format("$data{}_{}", number, command.clauses.size());
@@ -154,6 +167,7 @@ std::string axes_of(const Chart& panel) {
                                  in_quotes(panel.x_label), in_quotes(panel.y_label));
   text += is_alike(panel) ? "set size ratio -1\nset key outside below\nset offsets graph 0.03, 0.03, 0.03, 0.03\n"
                           : "set size noratio\nset key top right\nset offsets 0, 0, graph 0.1, graph 0.05\n";
+  text += has_axes(panel) ? "set border\nset tics\n" : "unset border\nunset tics\n";
   return text;
 }
 
@@ -167,13 +181,17 @@ std::string plot_text(const PlotCommand& command) {
 
 }  // namespace
 
+std::string picture_file(const Figure& figure, std::size_t panel) {
+  return fmt::format("{}-{}.png", figure.name, panel + 1);
+}
+
 std::string gnuplot_script(const Figure& figure) {
   const int width_px = figure.columns * (is_square(figure) ? kSquareWidthPx : kPanelWidthPx);
   const int height_px = rows_of(figure) * (is_square(figure) ? kSquareHeightPx : kPanelHeightPx);
   std::string data;
   std::string draw = fmt::format("set multiplot layout {},{}\n", rows_of(figure), figure.columns);
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
-    const PlotCommand command = plot_command(figure.panels[i], static_cast<int>(i));
+    const PlotCommand command = plot_command(figure, i);
     data += command.data;
     draw += axes_of(figure.panels[i]) + plot_text(command);
   }

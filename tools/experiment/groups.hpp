@@ -21,4 +21,7 @@ namespace odoless {
 /// 5.30 to 5.33: DP-SLAM on recorded logs.
 [[nodiscard]] std::vector<Experiment> recorded_mapping_experiments(Extent extent);
 
+/// 5.34 to 5.40: 3D maps.
+[[nodiscard]] std::vector<Experiment> cloud_experiments(Extent extent);
+
 }  // namespace odoless

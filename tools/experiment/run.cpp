@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "config/config.hpp"
+#include "tools/experiment/cloud_output.hpp"
 #include "tools/output/map_files.hpp"
 #include "tools/output/sha256.hpp"
 #include "tools/output/trajectory.hpp"
@@ -40,9 +41,22 @@ void compute_mapping(const Run& run, const ScanLog& log, const ReplayOptions& op
   write_map(folder, result.map);
 }
 
+const char* name_of(Run::Kind kind) {
+  return kind == Run::Kind::kPairs ? "pairs" : kind == Run::Kind::kMapping ? "mapping" : "cloud";
+}
+
+std::string cloud_key(const CloudSetting& cloud) {
+  return fmt::format("speed {} level {}\n{}{}", cloud.speed_max_mps, cloud.servo_level_rad, write_toml(cloud.tilt),
+                     write_toml(cloud.mapping));
+}
+
 }  // namespace
 
 double estimate_cost_s(const Run& run) {
+  if (run.kind == Run::Kind::kCloud) {
+    constexpr double kCloudS = 8.0;
+    return kCloudS;
+  }
   const auto scans = static_cast<double>(estimate_scans(run.scene)) / run.every;
   if (run.kind == Run::Kind::kMapping) {
     constexpr double kPerScanS = 3e-3;
@@ -55,9 +69,9 @@ double estimate_cost_s(const Run& run) {
 }
 
 std::string run_key(const Run& run, const Sources& sources) {
-  return fmt::format("program {}\n{} every {}\n{}{}", program_digest(),
-                     run.kind == Run::Kind::kPairs ? "pairs" : "mapping", run.every, scene_key(run.scene, sources),
-                     write_toml(run.params));
+  return fmt::format("program {}\n{} every {}\n{}{}{}", program_digest(), name_of(run.kind), run.every,
+                     scene_key(run.scene, sources), write_toml(run.params),
+                     run.kind == Run::Kind::kCloud ? cloud_key(run.cloud) : "");
 }
 
 bool is_finished(const std::filesystem::path& folder, const std::string& key) {
@@ -70,6 +84,9 @@ void mark_finished(const std::filesystem::path& folder, const std::string& key) 
 
 void compute_run(const Run& run, const Sources& sources, const std::filesystem::path& folder, const ShareDone& done) {
   make_output_folder(folder);
+  if (run.kind == Run::Kind::kCloud) {
+    return compute_cloud(run, sources, folder, done);
+  }
   const SceneData scene = load_scene(run.scene, sources);
   const ReplayOptions options{.every = run.every, .seed = sources.seed};
   const ReplayProgress progress = [&](std::int64_t scans, std::int64_t total, double) {

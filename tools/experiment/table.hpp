@@ -14,5 +14,7 @@ struct Table {
 
 /// Comma-separated: a header, then a line per row; 9 significant digits.
 [[nodiscard]] std::string format_csv(const Table& table);
+/// Reads that back. @throws DataError where a row has other fields than the header.
+[[nodiscard]] Table parse_csv(const std::string& name, const std::string& text);
 
 }  // namespace odoless

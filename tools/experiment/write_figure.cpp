@@ -50,6 +50,11 @@ void check_gnuplot() {
 void write_figure(const std::filesystem::path& folder, const Figure& figure) {
   const std::string script = figure.name + ".gp";
   write_whole_file(folder / script, gnuplot_script(figure));
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    if (figure.panels[i].picture) {
+      write_whole_file(folder / picture_file(figure, i), figure.panels[i].picture->canvas.png());
+    }
+  }
   if (run_gnuplot(folder, script) != 0) {
     check_gnuplot();
     throw IoError(fmt::format("{}: gnuplot could not draw it", (folder / script).string()));

@@ -25,9 +25,23 @@ struct Row {
   LogScan scan;
 };
 
-/// Hostile stamps need not have a difference: it is then any number.
-std::int64_t difference_ns(std::int64_t a_ns, std::int64_t b_ns) {
-  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a_ns) - static_cast<std::uint64_t>(b_ns));
+/// Stamps that can be taken from one another, and moved by what such a difference is.
+std::int64_t stamp_ns(const Fields& fields, std::size_t index) {
+  constexpr std::int64_t kFarthest_ns = 3'000'000'000'000'000'000;
+  const std::int64_t stamp_ns = fields.stamp_ns(index);
+  if (stamp_ns < -kFarthest_ns || stamp_ns > kFarthest_ns) {
+    fields.fail(fmt::format("field {} is a stamp of {:.3g} s", index + 1, static_cast<double>(stamp_ns) * 1e-9),
+                "at most 3e9 s from 0");
+  }
+  return stamp_ns;
+}
+
+ServoAngle parse_angle(const Fields& fields) {
+  const ServoAngle angle{stamp_ns(fields, 1), fields.number(2, "the servo's angle") * kRadPerDeg};
+  if (!std::isfinite(angle.angle_rad)) {
+    fields.fail("the servo's angle is endless", "degrees");
+  }
+  return angle;
 }
 
 std::int64_t beam_period_ns(const Fields& fields) {
@@ -39,7 +53,7 @@ std::int64_t beam_period_ns(const Fields& fields) {
 }
 
 LogScan parse_scan(const Fields& fields, std::size_t beams) {
-  LogScan scan{.stamp_ns = fields.stamp_ns(3),
+  LogScan scan{.stamp_ns = stamp_ns(fields, 3),
                .start_angle_rad = to_float_precision(fields.number(4, "angle_min")),
                .angle_step_rad = to_float_precision(fields.number(6, "angle_inc")),
                .beam_period_ns = beam_period_ns(fields),
@@ -56,7 +70,7 @@ Row parse_row(const Fields& fields) {
   if (fields.size() < kHead + beams) {
     fields.fail(fmt::format("{} fields do not fit {} ranges", fields.size(), beams), kLayout);
   }
-  Row row{.angle = {fields.stamp_ns(1), fields.number(2, "the servo's angle") * kRadPerDeg}, .scan = {}};
+  Row row{.angle = parse_angle(fields), .scan = {}};
   if (beams > 0) {
     row.scan = parse_scan(fields, beams);
   }
@@ -74,7 +88,7 @@ void add(Row row, TiltLog& log, std::vector<std::int64_t>& differences_ns) {
     ++log.empty_rows;
     return;
   }
-  differences_ns.push_back(difference_ns(row.angle.stamp_ns, row.scan.stamp_ns));
+  differences_ns.push_back(row.angle.stamp_ns - row.scan.stamp_ns);
   if (!log.scans.empty() && row.scan.stamp_ns <= log.scans.back().stamp_ns) {
     ++log.doubled_scans;
     return;

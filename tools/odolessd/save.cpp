@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/health/health_text.hpp"
+#include "tools/output/cloud_files.hpp"
 #include "tools/output/map_files.hpp"
 #include "tools/output/map_picture.hpp"
 #include "tools/output/sha256.hpp"
@@ -63,11 +64,29 @@ nlohmann::ordered_json summary_of(const DaemonResult& result) {
   summary["updates_cut"] = health.updates_cut;
   summary["page_faults"] = health.page_faults;
   summary["heap_calls"] = health.allocations;
+  if (health.cloud) {
+    summary["cloud_points"] = health.cloud->points;
+    summary["cloud_used"] = health.cloud->used;
+    summary["cloud_refused"] = health.cloud->refused;
+    summary["cloud_scans_left_out"] = health.cloud->scans_left_out;
+  }
   summary["sensor"] = stage_summary(health.stages[kSensorStage], result.cpu.sensor);
   summary["matcher"] = stage_summary(health.stages[kMatcherStage], result.cpu.matcher);
   summary["filter"] = stage_summary(health.stages[kFilterStage], result.cpu.filter);
   summary["matcher_and_filter"] = cpu_summary(result.cpu.matcher_and_filter);
   return summary;
+}
+
+void write_cloud(const std::filesystem::path& folder, const DaemonResult& result) {
+  const HeightColours colours(result.cloud);
+  switch (result.cloud_format) {
+    case CloudFormat::kNone:
+      return;
+    case CloudFormat::kPly:
+      return write_cloud_ply(folder / "cloud.ply", result.cloud, colours);
+    case CloudFormat::kPcd:
+      return write_cloud_pcd(folder / "cloud.pcd", result.cloud, colours);
+  }
 }
 
 void write_all(const std::filesystem::path& folder, const DaemonResult& result) {
@@ -82,6 +101,7 @@ void write_all(const std::filesystem::path& folder, const DaemonResult& result) 
     write_map(folder, result.map);
     write_map_picture(folder / "map.png", result.map, std::array{path});
   }
+  write_cloud(folder, result);
   summary["sha256"] = sha256_of_file(folder / "trajectory.tum");
   write_whole_file(folder / "summary.json", summary.dump(2) + "\n");
 }

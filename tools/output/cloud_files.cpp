@@ -9,6 +9,7 @@
 #include <cstring>
 #include <vector>
 
+#include "tools/command/error.hpp"
 #include "tools/output/whole_file.hpp"
 
 namespace odoless {
@@ -36,6 +37,16 @@ struct Bytes {
   std::string all;
   char* body;
 };
+
+constexpr std::size_t kPlyPoint_bytes = 15;
+
+std::string ply_header(std::size_t points) {
+  return fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+      points);
+}
 
 std::uint8_t to_byte(double share) {
   return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(share, 0.0, 1.0)));
@@ -65,12 +76,7 @@ Rgb HeightColours::at(double z_m) const {
 }
 
 std::string cloud_ply(std::span<const Point3> points, const HeightColours& colours) {
-  constexpr std::size_t kPoint_bytes = 15;
-  Bytes bytes(fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
-                          "property float x\nproperty float y\nproperty float z\n"
-                          "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
-                          points.size()),
-              points.size() * kPoint_bytes);
+  Bytes bytes(ply_header(points.size()), points.size() * kPlyPoint_bytes);
   char* at = bytes.body;
   for (const Point3& point : points) {
     at = put(put_place(at, point), colours.at(point.z_m));
@@ -93,6 +99,25 @@ std::string cloud_pcd(std::span<const Point3> points, const HeightColours& colou
     at = put(put_place(at, point), rgb);
   }
   return std::move(bytes.all);
+}
+
+std::vector<Point3> read_cloud_ply(const std::filesystem::path& path) {
+  const std::string bytes = read_whole_file(path);
+  constexpr std::string_view kEnd = "end_header\n";
+  const std::size_t end = bytes.find(kEnd);
+  const std::size_t body = end == std::string::npos ? bytes.size() : end + kEnd.size();
+  const std::size_t count = (bytes.size() - body) / kPlyPoint_bytes;
+  if (!bytes.starts_with(ply_header(count)) || bytes.size() != body + count * kPlyPoint_bytes) {
+    throw DataError(path.string(), 0, "no cloud, or a part of one", "a PLY file as `odoless cloud` writes it");
+  }
+  std::vector<Point3> points;
+  points.reserve(count);
+  for (std::size_t at = body; at < bytes.size(); at += kPlyPoint_bytes) {
+    std::array<float, 3> place{};
+    std::memcpy(place.data(), bytes.data() + at, sizeof(place));
+    points.push_back({place[0], place[1], place[2]});
+  }
+  return points;
 }
 
 void write_cloud_ply(const std::filesystem::path& path, std::span<const Point3> points, const HeightColours& colours) {

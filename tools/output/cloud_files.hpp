@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/geometry/pose3.hpp"
 #include "tools/output/canvas.hpp"
@@ -29,6 +30,9 @@ class HeightColours {
 
 /// The same as binary PCD 0.7 (x, y, z float, rgb packed in a float as the Point Cloud Library does).
 [[nodiscard]] std::string cloud_pcd(std::span<const Point3> points, const HeightColours& colours);
+
+/// The places in such a PLY file. @throws DataError where it is none, or cut; NoInputError, IoError.
+[[nodiscard]] std::vector<Point3> read_cloud_ply(const std::filesystem::path& path);
 
 /// Write these files, whole or not at all. @throws CannotCreateError, IoError.
 void write_cloud_ply(const std::filesystem::path& path, std::span<const Point3> points, const HeightColours& colours);

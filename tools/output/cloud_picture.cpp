@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "tools/output/scale_bar.hpp"
@@ -127,31 +128,48 @@ std::vector<Point3> below(std::span<const Point3> points, double cut_m) {
   return kept;
 }
 
-}  // namespace
+/// How large a plan is, and how much room is left around it.
+struct PlanSize {
+  int side_px;
+  int width_min_px = 1;
+  int below_px = 0;
+};
 
-Canvas draw_cloud_from_above(std::span<const Point3> points, const HeightColours& colours, double cut_m) {
+CloudPlan draw_plan(std::span<const Point3> points, const HeightColours& colours, double cut_m, const PlanSize& size) {
   const std::vector<Point3> kept = below(points, cut_m);
   const Box box(kept);
-  const double px_per_m = std::min(kSidePx / std::max(box.width_m(), box.depth_m()), 60.0);
+  const double px_per_m = std::min(size.side_px / std::max(box.width_m(), box.depth_m()), 60.0);
   const int width_px = static_cast<int>(box.width_m() * px_per_m) + 1;
   const int height_px = static_cast<int>(box.depth_m() * px_per_m) + 1;
-  DepthCanvas picture(std::max(width_px, 400), height_px + kScaleBarHeightPx);
+  DepthCanvas picture(std::max(width_px, size.width_min_px), height_px + size.below_px);
   for (const Point3& p : kept) {
     const Pixel at{static_cast<int>((p.x_m - box.low.x_m) * px_per_m),
                    height_px - 1 - static_cast<int>((p.y_m - box.low.y_m) * px_per_m)};
     picture.dot(at, 2, box.high.z_m - p.z_m, colours.at(p.z_m));
   }
-  draw_scale_bar(px_per_m, picture.canvas());
-  return picture.canvas();
+  return {std::move(picture.canvas()), {box.low.x_m, box.low.y_m}, px_per_m};
 }
 
-Canvas draw_cloud_in_perspective(std::span<const Point3> points, const HeightColours& colours, double cut_m) {
-  constexpr int kWidthPx = 1600;
-  constexpr int kHeightPx = 1000;
+}  // namespace
+
+CloudPlan plan_of_cloud(std::span<const Point3> points, const HeightColours& colours, double cut_m, int side_px) {
+  return draw_plan(points, colours, cut_m, {.side_px = side_px});
+}
+
+Canvas draw_cloud_from_above(std::span<const Point3> points, const HeightColours& colours, double cut_m) {
+  CloudPlan plan =
+      draw_plan(points, colours, cut_m, {.side_px = kSidePx, .width_min_px = 400, .below_px = kScaleBarHeightPx});
+  draw_scale_bar(plan.px_per_m, plan.canvas);
+  return std::move(plan.canvas);
+}
+
+Canvas draw_cloud_in_perspective(std::span<const Point3> points, const HeightColours& colours, double cut_m,
+                                 int width_px) {
   constexpr double kDotM = 0.05;
+  const int height_px = width_px * 5 / 8;
   const std::vector<Point3> kept = below(points, cut_m);
-  const Eye eye(Box(kept), kWidthPx, kHeightPx);
-  DepthCanvas picture(kWidthPx, kHeightPx);
+  const Eye eye(Box(kept), width_px, height_px);
+  DepthCanvas picture(width_px, height_px);
   for (const Point3& p : kept) {
     const Eye::Seen seen = eye.see(p);
     const int side_px = std::clamp(static_cast<int>(std::ceil(kDotM * seen.px_per_m)), 1, 6);

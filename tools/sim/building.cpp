@@ -85,6 +85,14 @@ double cast_ray_m(const Building& building, const Point3& origin, const Point3& 
   return range_m;
 }
 
+double cast_beam_m(const Building& building, const Pose3& world_T_laser, double angle_rad) {
+  const Eigen::Vector3d direction =
+      world_T_laser.rotation * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
+  const Eigen::Vector3d& origin_m = world_T_laser.origin_m;
+  return cast_ray_m(building, {origin_m.x(), origin_m.y(), origin_m.z()},
+                    {direction.x(), direction.y(), direction.z()});
+}
+
 double distance_m(const Building& building, const Point3& point) {
   double nearest_m = std::min(std::abs(point.z_m), std::abs(point.z_m - building.ceiling_m));
   for (const Panel& panel : building.panels) {

@@ -41,6 +41,9 @@ struct Building {
 /// where there is none. A surface seen edge-on is not seen. Linear in the surfaces.
 [[nodiscard]] double cast_ray_m(const Building& building, const Point3& origin, const Point3& direction);
 
+/// The same of a beam at an angle in the plane of a laser, counter-clockwise from its front.
+[[nodiscard]] double cast_beam_m(const Building& building, const Pose3& world_T_laser, double angle_rad);
+
 /// Distance from a point to the nearest surface. Linear in the surfaces.
 [[nodiscard]] double distance_m(const Building& building, const Point3& point);
 

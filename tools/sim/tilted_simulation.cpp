@@ -19,14 +19,6 @@ void add_angles(const TiltMotionParams& tilt, double duration_s, TiltLog& log) {
   }
 }
 
-double true_range_m(const Building& building, const Pose3& world_T_laser, double angle_rad) {
-  const Eigen::Vector3d direction =
-      world_T_laser.rotation * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
-  const Eigen::Vector3d& origin_m = world_T_laser.origin_m;
-  return cast_ray_m(building, {origin_m.x(), origin_m.y(), origin_m.z()},
-                    {direction.x(), direction.y(), direction.z()});
-}
-
 }  // namespace
 
 double simulated_tilt_rad(const TiltMotionParams& params, double time_s) {
@@ -58,7 +50,7 @@ TiltedSimulation simulate_tilted(const World& world, const TiltMount& mount, con
     const double start_s = static_cast<double>(stamp_ns) * 1e-9;
     const auto range_m = [&](double time_s, double angle_rad) {
       const Pose3 world_T_laser = Pose3::of(path.at(time_s)) * mount.robot_T_laser(simulated_tilt_rad(tilt, time_s));
-      return true_range_m(world.building, world_T_laser, angle_rad);
+      return cast_beam_m(world.building, world_T_laser, angle_rad);
     };
     LogScan scan{.stamp_ns = stamp_ns,
                  .start_angle_rad = to_float_precision(lrf.start_angle_rad()),

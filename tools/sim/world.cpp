@@ -67,6 +67,13 @@ Pillar at_time(const Walker& walker, double time_s) {
   return {points.back(), walker.radius_m};
 }
 
+World slowed(World world, double speed_max_mps) {
+  for (Waypoint& waypoint : world.waypoints) {
+    waypoint.speed_mps = std::min(waypoint.speed_mps, speed_max_mps);
+  }
+  return world;
+}
+
 std::vector<Segment> without_disc(const Segment& wall, const Point2& centre, double radius_m) {
   const std::optional<Shares> cut = shares_within(wall, centre, radius_m);
   if (!cut) {

@@ -33,6 +33,9 @@ struct World {
   Building building{};  ///< the same in space
 };
 
+/// The same world, in which the robot drives no faster than that.
+[[nodiscard]] World slowed(World world, double speed_max_mps);
+
 /// The four sides of a rectangle; its middle and direction are `world_T_rectangle`.
 [[nodiscard]] std::vector<Segment> rectangle(const Pose2& world_T_rectangle, double width_m, double height_m);
 
