@@ -117,15 +117,6 @@ TEST(RawPlayer, SaysWhenWhatIsOnAnotherLineIsDue) {
   EXPECT_EQ(player.due_ns(110'000), 9010 * kMs) << "a command that is repeated moves nothing";
 }
 
-TEST(RawPlayer, ACommandThatWasLeftOutAtFirstTakesTheOtherLinesBackToNothing) {
-  RawPlayer player({sent(0, "A"), sent(10, "B"), heard(11, "b"), sent(100, "C"), heard(110, "scan")});
-  player.receive("A", 0);
-  player.receive("C", 1000 * kMs);
-  EXPECT_EQ(player.due_ns(200'000), 1100 * kMs);
-  player.receive("B", 2000 * kMs);
-  EXPECT_EQ(player.due_ns(200'000), 1100 * kMs);
-}
-
 /// A drive and a session on a bus for some seconds, each millisecond; what the session hears, and what both say.
 template <class Receive, class Take>
 std::vector<double> angles_of(const Receive& to_drive, const Take& from_drive, std::vector<RawPiece>* record) {
@@ -303,17 +294,6 @@ TEST(RecordedGpio, PlaysStopAndPulsesWhenTheyAreDueAndNeverLosesAStop) {
   EXPECT_EQ(never.next_event_ns(), kNever);
 }
 
-TEST(RecordedGpio, BeginsAtTheFirstRecordedLevels) {
-  const auto never = [](std::int64_t) { return kNever; };
-  const RecordedGpio pressed({change(5, "stop low\n"), change(6, "sync high\n"), change(9, "stop high\n")}, never, "");
-  EXPECT_FALSE(pressed.is_high(GpioPin::kStop));
-  EXPECT_TRUE(pressed.is_high(GpioPin::kSync));
-  const RecordedGpio nothing({}, never, "");
-  EXPECT_TRUE(nothing.is_high(GpioPin::kStop));
-  EXPECT_FALSE(nothing.is_high(GpioPin::kSync));
-  EXPECT_THROW(RecordedGpio({change(0, "stop off\n")}, never, "x.lcm"), DataError);
-}
-
 // The daemon's own way: from its GPIO thread's recorder through the publisher's link into a log, and out of it again.
 TEST(RecordedGpio, WhatTheDaemonRecordsIsPlayedWithTheLaser) {
   const test::TemporaryFolder folder;
@@ -350,40 +330,6 @@ TEST(RecordedGpio, WhatTheDaemonRecordsIsPlayedWithTheLaser) {
   EXPECT_EQ(changes_of(wires, 1, 50), "") << "the laser has not been spoken to";
   laser.receive("MD\n", 100 * kMs);  // recorded at 1010 ms
   EXPECT_EQ(changes_of(wires, 1, 300), "115P 117p 140P 142p 165P 167p 170s ");
-}
-
-TEST(EmulatedGpio, PressesTheStopAndGivesPulses) {
-  EmulatedGpio gpio(
-      {parse_fault("stop@0.05:0.01")}, [](std::int64_t i) { return (100 + 25 * i) * kMs; }, 0);
-  std::vector<std::int64_t> rising_ms;
-  std::vector<std::int64_t> pressed_ms;
-  bool was_high = false;
-  for (std::int64_t now_ns = 0; now_ns < 160 * kMs; now_ns = gpio.next_event_ns()) {
-    gpio.tick(now_ns);
-    ASSERT_GT(gpio.next_event_ns(), now_ns);
-    if (gpio.is_high(GpioPin::kSync) && !was_high) {
-      rising_ms.push_back(now_ns / kMs);
-    }
-    was_high = gpio.is_high(GpioPin::kSync);
-    if (!gpio.is_high(GpioPin::kStop)) {
-      pressed_ms.push_back(now_ns / kMs);
-    }
-  }
-  EXPECT_THAT(rising_ms, ElementsAre(100, 125, 150));
-  EXPECT_THAT(pressed_ms, ElementsAre(50));
-  EXPECT_EQ(gpio.pulses(), 3);
-}
-
-TEST(EmulatedGpio, LeavesOutPulsesThatAreLateOrSilenced) {
-  EmulatedGpio gpio(
-      {parse_fault("silence@0.2:0.05")}, [](std::int64_t i) { return 100 * i * kMs; }, 0);
-  gpio.tick(150 * kMs);
-  EXPECT_FALSE(gpio.is_high(GpioPin::kSync)) << "held up: the pulses of 0 and 100 ms are over";
-  gpio.tick(200 * kMs);
-  EXPECT_FALSE(gpio.is_high(GpioPin::kSync));
-  gpio.tick(300 * kMs);
-  EXPECT_TRUE(gpio.is_high(GpioPin::kSync));
-  EXPECT_EQ(gpio.pulses(), 1);
 }
 
 TEST(EmulateRobot, RefusesWhatMakesNoSense) {
