@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <ostream>
+
 #include "firmware/health/health_text.hpp"
 
 namespace odoless {
@@ -119,6 +121,8 @@ struct Growing {
   const char* name;
   HealthReason reason;
   void (*grow)(SensorReport&, MatcherReport&, FilterReport&, Surroundings&);
+
+  friend void PrintTo(const Growing& growing, std::ostream* out) { *out << growing.name; }
 };
 
 class GrowingCount : public HealthMonitorTest, public ::testing::WithParamInterface<Growing> {};

@@ -5,6 +5,7 @@
 
 #include <ctime>
 #include <memory>
+#include <ostream>
 
 #include "rt/cpu_clock.hpp"
 
@@ -16,6 +17,8 @@ constexpr std::int64_t kMillisecond_ns = 1'000'000;
 struct ClockCase {
   const char* name;
   std::unique_ptr<Clock> (*make)();
+
+  friend void PrintTo(const ClockCase& clock_case, std::ostream* out) { *out << clock_case.name; }
 };
 
 class ClockContract : public ::testing::TestWithParam<ClockCase> {};
