@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cstring>
 
@@ -150,33 +151,44 @@ class LcmReceiverNetwork : public ::testing::Test {
   int sender_ = -1;
 };
 
-// Another process sends by liblcm; each of the messages says how long it is and is filled with its number.
-void publish_by_liblcm(const std::string& url, int messages) {
+// Another process sends by liblcm; each of the messages says how long it is and is filled with its number. It sends the
+// next when the one before was heard, as one byte of `heard` says: UDP may drop what a busy host leaves in the socket.
+void publish_by_liblcm(const std::string& url, int messages, int heard) {
   lcm_t* lcm = lcm_create((url + "?ttl=0").c_str());
+  const auto publish = [lcm](const char* channel, const std::string& data) {
+    lcm_publish(lcm, channel, data.data(), static_cast<unsigned int>(data.size()));
+  };
+  char token = 0;
   for (int i = 0; i < messages; ++i) {
     const std::string data(static_cast<std::size_t>(i * 600), static_cast<char>(i));
-    lcm_publish(lcm, i % 2 == 0 ? "WANTED" : "ALSO", data.data(), static_cast<unsigned int>(data.size()));
-    lcm_publish(lcm, "OTHER", data.data(), static_cast<unsigned int>(data.size()));
-    usleep(1000);
+    publish("OTHER", data);
+    publish(i % 2 == 0 ? "WANTED" : "ALSO", data);
+    if (read(heard, &token, 1) != 1) {
+      break;  // the test has ended early
+    }
   }
-  const std::string long_data(70'000, 'x');
-  lcm_publish(lcm, "WANTED", long_data.data(), static_cast<unsigned int>(long_data.size()));
-  lcm_publish(lcm, "WANTED", "end", 3);
+  publish("WANTED", std::string(70'000, 'x'));
+  publish("WANTED", "end");
   lcm_destroy(lcm);
 }
 
 TEST_F(LcmReceiverNetwork, HearsWhatLiblcmSends) {
   constexpr int kMessages = 100;
+  std::array<int, 2> heard{};
+  ASSERT_EQ(pipe(heard.data()), 0);
   const pid_t child = fork();
   if (child == 0) {
-    publish_by_liblcm(params_.url, kMessages);
+    close(heard[1]);
+    publish_by_liblcm(params_.url, kMessages, heard[0]);
     _exit(0);
   }
+  close(heard[0]);
   for (int i = 0; i < kMessages; ++i) {
     const std::optional<LcmMessage> message = receiver_->receive(5 * kSecondNs);
-    ASSERT_TRUE(message);
+    ASSERT_TRUE(message) << i;
     EXPECT_EQ(message->channel, i % 2 == 0 ? "WANTED" : "ALSO");
     EXPECT_EQ(text_of(message->payload), std::string(static_cast<std::size_t>(i * 600), static_cast<char>(i)));
+    ASSERT_EQ(write(heard[1], "", 1), 1);
   }
   const std::optional<LcmMessage> last = receiver_->receive(5 * kSecondNs);
   ASSERT_TRUE(last);
@@ -186,6 +198,7 @@ TEST_F(LcmReceiverNetwork, HearsWhatLiblcmSends) {
   EXPECT_EQ(receiver_->counters().fragments, 2);
   EXPECT_EQ(receiver_->counters().malformed, 0);
   EXPECT_EQ(receiver_->counters().lost, 0);
+  close(heard[1]);
   waitpid(child, nullptr, 0);
 }
 
