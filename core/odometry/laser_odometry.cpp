@@ -48,6 +48,7 @@ OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadl
       reference_, scan, {key_T_scan, widening * expected.sd_m, widening * expected.sd_rad}, deadline, rng);
   step.matched = match.ok();
   step.match = match.ok() ? match.value() : MatchResult{};
+  step.jolted = step.matched && step.match.score < params_.jolt_share * usual_score_.value();
   step.odom_T_scan = prediction.odom_T_scan;
   step.error = started_ ? prediction.error : MotionError{};  // the first scan is where the run begins
   if (step.matched) {
@@ -56,11 +57,24 @@ OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadl
   step.previous_T_current = odom_T_scan_.inverse() * step.odom_T_scan;
   step.covariance = increment_covariance(prediction, step);
   remember(step, period_s);
-  if (reference_.empty() || (odom_T_key.inverse() * odom_T_scan_).distance_m({}) > params_.key_distance_m ||
-      std::abs(wrap_angle(odom_T_scan_.yaw_rad - odom_T_key.yaw_rad)) > params_.key_rotation_rad) {
+  if (is_over_a_jolt(step, period_s)) {
+    key_count_ = 0;
+    add_key(scan, odom_T_scan_);
+  } else if (reference_.empty() || (odom_T_key.inverse() * odom_T_scan_).distance_m({}) > params_.key_distance_m ||
+             std::abs(wrap_angle(odom_T_scan_.yaw_rad - odom_T_key.yaw_rad)) > params_.key_rotation_rad) {
     add_key(scan, odom_T_scan_);
   }
   return step;
+}
+
+bool LaserOdometry::is_over_a_jolt(const OdometryStep& step, double period_s) {
+  if (step.matched) {
+    usual_score_.add(step.match.score, period_s);
+  }
+  if (step.jolted) {
+    jolt_scans_left_ = params_.jolt_scans;
+  }
+  return !step.jolted && jolt_scans_left_ > 0 && --jolt_scans_left_ == 0;
 }
 
 // Of the motion alone, whatever the pose before was off by: what the error gained or lost.
@@ -82,7 +96,9 @@ double LaserOdometry::steady_period_s(double period_s) {
 }
 
 void LaserOdometry::remember(const OdometryStep& step, double period_s) {
-  const double kept = step.matched ? 1.0 : kSpeed_kept_unmatched;  // a blind robot is not taken to drive on for ever
+  // A blind robot is not taken to drive on for ever, and one that was carried away not to go on like that.
+  const bool leapt = step.matched && (step.match.escalated || step.jolted);
+  const double kept = leapt ? 0.0 : step.matched ? 1.0 : kSpeed_kept_unmatched;
   speed_x_mps_ *= kept;
   speed_y_mps_ *= kept;
   speed_yaw_radps_ = kept * step.previous_T_current.yaw_rad / period_s;

@@ -7,6 +7,7 @@
 #include "core/base/deadline.hpp"
 #include "core/base/parameters.hpp"
 #include "core/base/rng.hpp"
+#include "core/base/usual_level.hpp"
 #include "core/match/match_reference.hpp"
 #include "core/match/ndt_matcher.hpp"
 #include "core/motion/motion_error.hpp"
@@ -36,6 +37,8 @@ struct LaserOdometryParams {
   double expectation_widening = 3.0;
   double speed_walk_sd_mps = 0.5;
   double speed_error_max_mps = 0.4;
+  double jolt_share = 0.55;
+  int jolt_scans = 3;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -60,6 +63,12 @@ struct LaserOdometryParams {
                 "How far the speed is expected to change within 1 s, as a random walk.");
     visit.value("speed_error_max_mps", self.speed_error_max_mps, Range{0.01, 100.0},
                 "Most that the speed is taken to be in doubt, however long nothing held it.");
+    visit.value(
+        "jolt_share", self.jolt_share, Range{0.0, 1.0},
+        "A match that scores less than this share of what is usual is a jolt: the robot may have been carried.");
+    visit.value(
+        "jolt_scans", self.jolt_scans, Range{1, 1000},
+        "After so many scans without another jolt the local map begins anew: what was before may be elsewhere.");
     visit.value("period_min_s", self.period_min_s, Range{0.001, 10.0},
                 "Stamps nearer than this are taken to be this far apart.");
   }
@@ -75,6 +84,7 @@ struct OdometryStep {
       Eigen::Matrix3d::Zero();  ///< of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes
   MotionError error{};          ///< the same in full: what becomes of the error before
   MatchResult match;
+  bool jolted = false;   ///< the scan matches the ones before much worse than is usual
   bool matched = false;  ///< false for the first scan, and where nothing could be matched: then the prediction stands
 };
 
@@ -114,6 +124,8 @@ class LaserOdometry {
   [[nodiscard]] Eigen::Matrix3d increment_covariance(const Prediction& prediction, const OdometryStep& step) const;
   [[nodiscard]] double steady_period_s(double period_s);
   void remember(const OdometryStep& step, double period_s);
+  /// Whether the local map shall begin anew with this scan.
+  [[nodiscard]] bool is_over_a_jolt(const OdometryStep& step, double period_s);
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
 
   LaserOdometryParams params_;
@@ -129,6 +141,8 @@ class LaserOdometry {
   Pose2 odom_T_scan_{};
   double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;
   double usual_period_s_ = 0.0;
+  UsualLevel usual_score_;
+  int jolt_scans_left_ = 0;
   MotionError::Matrix covariance_ = MotionError::Matrix::Zero();  ///< of the error of odom_T_scan_ and the speed
 };
 

@@ -17,6 +17,7 @@ Recovery::Recovery(const RecoveryParams& params, const ScanParams& scan, const S
 void Recovery::reset() {
   updates_ = 0;
   usual_.reset();
+  usual_fit_ = UsualLevel{};
   trust();
 }
 
@@ -55,19 +56,29 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   static_cast<void>(fit_.load(tracked.scan));
   const Pose2 map_T_scan = low.pose(low.best()) * tracked.update_T_scan;
   last_fit_ = fit_.of(low.map(low.best()), low.geometry(), map_T_scan);
-  const bool is_open = tracked.weak_information_1_m2 < params_.tracking.weak_information_1_m2;
-  const bool is_far = tracked.escalated || usual_.is_too_fast(tracked.previous_T_current, tracked.period_s);
-  monitor_.add({.fit = last_fit_,
-                .suspect = depleted_ || is_open,
-                .carried = tracked.matched && is_far && usual_.is_unusual(tracked.previous_T_current),
-                .torn = !tracked.matched},
-               tracked.scan.stamp_ns());
+  monitor_.add(signs_of(tracked), tracked.scan.stamp_ns());
+  const double span_s = span_.next_s(tracked.scan.stamp_ns());
+  if (state() == Tracking::kSure) {
+    usual_fit_.add(last_fit_, span_s);
+  }
   if (lost()) {
-    relocaliser_.begin(slam.map_T_scan());
+    relocaliser_.begin(slam.map_T_scan(), params_.tracking.usual_share * usual_fit_.value());
     settled_ = false;
     matched_s_ = 0.0;
   }
   return monitor_.is_trusted() ? Advice::kGoOn : Advice::kHold;
+}
+
+TrackingSigns Recovery::signs_of(const TrackedScan& tracked) const {
+  const TrackingParams& params = params_.tracking;
+  const bool is_open = tracked.weak_information_1_m2 < params.weak_information_1_m2;
+  const bool is_far = tracked.escalated || usual_.is_too_fast(tracked.previous_T_current, tracked.period_s);
+  const bool is_poor = last_fit_ < params.usual_share * usual_fit_.value();
+  return {.fit = last_fit_,
+          .suspect = depleted_ || is_open,
+          .carried = is_far && usual_.is_unusual(tracked.previous_T_current),
+          .torn = !tracked.matched || (tracked.jolted && is_poor),
+          .usual_fit = usual_fit_.value()};
 }
 
 Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
@@ -85,6 +96,7 @@ Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
   }
   slam.set_pose(*map_T_scan, {params_.search.spread_m, params_.search.spread_rad});
   trust();
+  monitor_.try_anew();
   return Advice::kFound;
 }
 

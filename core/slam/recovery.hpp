@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "core/base/usual_level.hpp"
 #include "core/slam/relocaliser.hpp"
 #include "core/slam/tracking_monitor.hpp"
 #include "core/slam/usual_motion.hpp"
@@ -13,6 +14,7 @@ struct TrackedScan {
   const ScanFrame& scan;
   Pose2 update_T_scan;                 ///< from the filter's last update to the scan
   Pose2 previous_T_current;            ///< from the last scan to this one
+  bool jolted = false;                 ///< it matches the ones before much worse than is usual
   bool matched = true;                 ///< in the narrow search, or then in the wide one
   double period_s = 0.0;               ///< from the last scan to this one
   bool escalated = false;              ///< not in the narrow one
@@ -59,12 +61,15 @@ class Recovery {
 
  private:
   [[nodiscard]] Advice diagnose(Slam& slam, const TrackedScan& tracked);
+  [[nodiscard]] TrackingSigns signs_of(const TrackedScan& tracked) const;
   [[nodiscard]] Advice look_for_it(Slam& slam, const TrackedScan& tracked);
   [[nodiscard]] bool has_waited_enough(const TrackedScan& tracked);
 
   RecoveryParams params_;
   TrackingMonitor monitor_;
   UsualMotion usual_;
+  UsualLevel usual_fit_;
+  ScanSpan span_;
   ScanFit fit_;
   Relocaliser relocaliser_;
   double last_fit_ = 1.0;

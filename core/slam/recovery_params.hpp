@@ -15,6 +15,7 @@ struct TrackingParams {
   double weak_information_1_m2 = 15.0;
   double torn_fit_min = 0.6;
   double torn_for_s = 3.0;
+  double usual_share = 0.75;
   double lost_after_s = 0.7;
   double leap_m = 0.3;
   double leap_rad = 0.3;
@@ -38,6 +39,8 @@ struct TrackingParams {
                 "The same after a scan that could not be matched at all: the robot may be anywhere.");
     visit.value("torn_for_s", self.torn_for_s, Range{0.0, 60.0},
                 "Time for which scans must then fit so well, one after the other, before any is mapped again.");
+    visit.value("usual_share", self.usual_share, Range{0.0, 1.0},
+                "Nor less than this share of what scans usually fit; the same for a candidate that can be the robot.");
     visit.value("lost_after_s", self.lost_after_s, Range{0.0, 60.0},
                 "Time of scans that do not fit, less that of scans that do, after which the robot is lost.");
     visit.value("leap_m", self.leap_m, Range{0.0, 10.0},

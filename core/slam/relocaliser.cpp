@@ -8,8 +8,6 @@ namespace {
 constexpr int kClimb_steps = 40;  // from scan to scan, after the odometry's motion
 constexpr int kReturns_min = 30;
 constexpr int kTrial_scans_min = 5;
-constexpr double kSpan_min_s = 0.005;  // what stamps are taken to be apart
-constexpr double kSpan_max_s = 0.25;
 
 /// The map that the filter would write, whichever level's it is.
 class SlamSquares final : public MapSquares {
@@ -35,7 +33,8 @@ Relocaliser::Relocaliser(const RelocaliserParams& params, double fit_sigma_m, co
   ODOLESS_CHECK(parameters_in_range(params));
 }
 
-void Relocaliser::begin(const Pose2& last_map_T_scan) {
+void Relocaliser::begin(const Pose2& last_map_T_scan, double fit_min) {
+  fit_min_ = std::max(params_.found_fit, fit_min);
   search_.forget_map({last_map_T_scan.x_m, last_map_T_scan.y_m});
   trial_count_ = 0;
 }
@@ -48,7 +47,7 @@ void Relocaliser::move(const Pose2& previous_T_current) {
 }
 
 std::optional<Pose2> Relocaliser::process(Slam& slam, const ScanFrame& scan) {
-  const double span_s = since_last_s(scan);
+  const double span_s = span_.next_s(scan.stamp_ns());
   if (scan.returns() < kReturns_min) {
     return std::nullopt;
   }
@@ -72,12 +71,6 @@ std::optional<Pose2> Relocaliser::process(Slam& slam, const ScanFrame& scan) {
 std::size_t Relocaliser::memory_bytes() const {
   return sizeof(*this) + fit_.memory_bytes() + search_.memory_bytes() + trial_.capacity() * sizeof(Candidate) +
          2 * sizeof(float) * static_cast<std::size_t>(points_.capacity());
-}
-
-double Relocaliser::since_last_s(const ScanFrame& scan) {
-  const double span_s = 1e-9 * static_cast<double>(scan.stamp_ns() - stamp_ns_);
-  stamp_ns_ = scan.stamp_ns();
-  return std::clamp(span_s, kSpan_min_s, kSpan_max_s);
 }
 
 void Relocaliser::start_trial() {
@@ -122,7 +115,7 @@ std::optional<Pose2> Relocaliser::verdict() {
   }
   const Candidate best = trial_.front();
   const bool has_rival = trial_count_ > 1 && trial_[1].fit_sum > params_.rival_ratio * best.fit_sum;
-  const bool fits = best.fit_sum >= params_.found_fit * trial_scans_;
+  const bool fits = best.fit_sum >= fit_min_ * trial_scans_;
   if (fits && has_rival && trial_s_ < params_.give_up_after_s) {
     return std::nullopt;  // what comes may tell them apart
   }

@@ -7,6 +7,7 @@
 #include "core/match/global_search.hpp"
 #include "core/slam/recovery_params.hpp"
 #include "core/slam/scan_fit.hpp"
+#include "core/slam/scan_span.hpp"
 #include "core/slam/slam.hpp"
 
 namespace odoless {
@@ -23,7 +24,8 @@ class Relocaliser {
   Relocaliser(const RelocaliserParams& params, double fit_sigma_m, const ScanParams& scan, const Slam& slam);
 
   /// From here on nothing is known but the map.
-  void begin(const Pose2& last_map_T_scan);
+  /// @param fit_min  What a candidate must fit in it, if that is more than `found_fit`.
+  void begin(const Pose2& last_map_T_scan, double fit_min);
   /// The robot's motion by the odometry, whether with a scan or not.
   void move(const Pose2& previous_T_current);
   /// @return  map_T_scan once it is found.
@@ -39,7 +41,6 @@ class Relocaliser {
     double fit_sum = 0.0;
   };
 
-  [[nodiscard]] double since_last_s(const ScanFrame& scan);
   void start_trial();
   void try_scan(Slam& slam, const ScanFrame& scan);
   void drop_doubles();
@@ -52,10 +53,11 @@ class Relocaliser {
   PointSet points_;
   std::vector<Candidate> trial_;
   std::size_t trial_count_ = 0;
+  double fit_min_ = 0.0;
   Pose2 searched_T_scan_{};  ///< motion since the scan that is searched for
   int trial_scans_ = 0;
   double trial_s_ = 0.0;
-  std::int64_t stamp_ns_ = 0;
+  ScanSpan span_;
 };
 
 }  // namespace odoless

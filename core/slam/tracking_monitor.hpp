@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/slam/recovery_params.hpp"
+#include "core/slam/scan_span.hpp"
 
 namespace odoless {
 
@@ -16,10 +17,11 @@ enum class Tracking : std::uint8_t {
 
 /// What a scan says of the pose.
 struct TrackingSigns {
-  double fit = 1.0;      ///< ScanFit's, in the best particle's map
-  bool suspect = false;  ///< the scene leaves one direction open, or few particles matter
-  bool carried = false;  ///< the scan matched the ones before only farther away than a robot moves by itself
-  bool torn = false;     ///< the scan did not match the ones before: what was known of the pose ends there
+  double fit = 1.0;        ///< ScanFit's, in the best particle's map
+  bool suspect = false;    ///< the scene leaves one direction open, or few particles matter
+  bool carried = false;    ///< the scan lies to the ones before farther away than a robot moves by itself
+  bool torn = false;       ///< the scan did not match the ones before: what was known of the pose ends there
+  double usual_fit = 0.0;  ///< of the scans while the pose was sure
 };
 
 /// Makes of the scans' fits whether the robot is lost: time of scans that do not fit counts up, of others down.
@@ -37,11 +39,14 @@ class TrackingMonitor {
     unconfirmed_ = true;
   }
 
+  /// The robot was found: as after a tear, until scans have fitted for a while.
+  void try_anew() {
+    reset();
+    torn_s_ = params_.torn_for_s;
+  }
+
   void add(const TrackingSigns& signs, std::int64_t stamp_ns) {
-    const double span_s =
-        started_ ? std::clamp(1e-9 * static_cast<double>(stamp_ns - stamp_ns_), kSpan_min_s, kSpan_max_s) : kSpan_min_s;
-    stamp_ns_ = stamp_ns;
-    started_ = true;
+    const double span_s = span_.next_s(stamp_ns);
     fits_ = signs.fit >= bar(signs);
     const bool torn_anew = signs.torn || (torn_s_ > 0.0 && !fits_);
     torn_s_ = torn_anew ? params_.torn_for_s : std::max(0.0, torn_s_ - span_s);
@@ -61,23 +66,20 @@ class TrackingMonitor {
   }
 
  private:
-  static constexpr double kSpan_min_s = 0.005;  // stamps that are the same or run backwards
-  static constexpr double kSpan_max_s = 0.25;   // a hole in the scans says nothing
-  static constexpr int kPoor_scans = 3;         // at least
+  static constexpr int kPoor_scans = 3;  // at least
 
   [[nodiscard]] double bar(const TrackingSigns& signs) const {
     if (signs.torn || torn_s_ > 0.0) {
-      return params_.torn_fit_min;
+      return std::max(params_.torn_fit_min, params_.usual_share * signs.usual_fit);
     }
     return signs.suspect ? params_.suspect_fit_min : params_.fit_min;
   }
 
   TrackingParams params_;
-  std::int64_t stamp_ns_ = 0;
+  ScanSpan span_;
   double torn_s_ = 0.0;  ///< left
   double poor_s_ = 0.0;
   int poor_scans_ = 0;
-  bool started_ = false;
   bool fits_ = true;
   bool lost_ = false;
   bool unconfirmed_ = false;

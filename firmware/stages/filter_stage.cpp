@@ -51,6 +51,7 @@ Advice FilterStage::diagnose(const ScanFrame& scan, const OdometryStep& step) {
   return recovery_.process(filter_, {.scan = scan,
                                      .update_T_scan = update_T_scan_,
                                      .previous_T_current = step.previous_T_current,
+                                     .jolted = step.jolted,
                                      .matched = step.matched && (step.match.converged || !step.match.escalated),
                                      .period_s = 1e-9 * static_cast<double>(step.to_stamp_ns - step.from_stamp_ns),
                                      .escalated = step.match.escalated,

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <ostream>
+
 #include "firmware/health/health_text.hpp"
 
 namespace odoless {
@@ -120,6 +122,8 @@ struct Growing {
   const char* name;
   HealthReason reason;
   void (*grow)(SensorReport&, MatcherReport&, FilterReport&, Surroundings&);
+
+  friend void PrintTo(const Growing& growing, std::ostream* out) { *out << growing.name; }
 };
 
 void PrintTo(const Growing& growing, std::ostream* out) { *out << growing.name; }

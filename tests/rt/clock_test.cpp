@@ -7,6 +7,7 @@
 #include <ctime>
 #include <limits>
 #include <memory>
+#include <ostream>
 
 #include "rt/cpu_clock.hpp"
 
@@ -18,6 +19,8 @@ constexpr std::int64_t kMillisecond_ns = 1'000'000;
 struct ClockCase {
   const char* name;
   std::unique_ptr<Clock> (*make)();
+
+  friend void PrintTo(const ClockCase& clock_case, std::ostream* out) { *out << clock_case.name; }
 };
 
 void PrintTo(const ClockCase& clock, std::ostream* out) { *out << clock.name; }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <ostream>
 
 #include "tests/support/allocation_guard.hpp"
 #include "tests/tools/emulate_support.hpp"
@@ -17,6 +18,8 @@ struct TestedLaser {
   const char* model;
   LrfDriver driver;
   RplidarScan scan = RplidarScan::kStandard;
+
+  friend void PrintTo(const TestedLaser& laser, std::ostream* out) { *out << laser.name; }
 };
 
 /// Counts, and allocates nothing.

@@ -122,6 +122,8 @@ struct FaultCase {
   const char* fault;
   int scans_lost_max;
   int scans_lost_min = 0;
+
+  friend void PrintTo(const FaultCase& fault_case, std::ostream* out) { *out << fault_case.fault; }
 };
 
 /// Its name as a part of a test's.

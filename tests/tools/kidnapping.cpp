@@ -117,7 +117,8 @@ bool KidnappedRobot::choose_place() {
     const int row = static_cast<int>(std::floor((p_map.y_m - map.origin_y_m) / map.resolution_m));
     const bool inside = column >= 0 && row >= 0 && column < map.width_cells && row < map.height_cells;
     const int percent = inside ? map.at(column, row) : OccupancyMap::kUnknown;
-    if (percent >= 0 && percent < 20 && room_m(place, -std::numbers::pi, std::numbers::pi) > kClearance_m) {
+    if (percent >= 0 && percent < 20 && is_indoors(place) &&
+        room_m(place, -std::numbers::pi, std::numbers::pi) > kClearance_m) {
       world_T_robot_ = place;
       return true;
     }
@@ -141,6 +142,17 @@ double KidnappedRobot::room_m(const Pose2& world_T_robot, double from_rad, doubl
         room_m, cast_ray_m(world_, {world_T_robot.x_m, world_T_robot.y_m}, {std::cos(angle_rad), std::sin(angle_rad)}));
   }
   return room_m;
+}
+
+// A beam by a corner may have freed a cell beyond the walls.
+bool KidnappedRobot::is_indoors(const Pose2& world_T_robot) const {
+  for (double angle_rad = -std::numbers::pi; angle_rad < std::numbers::pi; angle_rad += 0.1) {
+    const Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
+    if (std::isinf(cast_ray_m(world_, {world_T_robot.x_m, world_T_robot.y_m}, direction))) {
+      return false;
+    }
+  }
+  return true;
 }
 
 bool KidnappedRobot::is_wrong(const Pose2& map_T_scan) const {

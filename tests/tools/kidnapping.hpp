@@ -46,6 +46,7 @@ class KidnappedRobot {
   /// One period further, straight on where there is room.
   void wander();
   [[nodiscard]] double room_m(const Pose2& world_T_robot, double from_rad, double to_rad) const;
+  [[nodiscard]] bool is_indoors(const Pose2& world_T_robot) const;
   [[nodiscard]] bool is_wrong(const Pose2& map_T_scan) const;
 
   World world_;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <ostream>
 
 #include "tests/support/data.hpp"
 #include "tools/command/error.hpp"
@@ -187,6 +188,8 @@ struct RealLog {
   double start_deg;
   double step_deg;
   bool has_stamps;
+
+  friend void PrintTo(const RealLog& log, std::ostream* out) { *out << log.file; }
 };
 
 class RealLogs : public ::testing::TestWithParam<RealLog> {};

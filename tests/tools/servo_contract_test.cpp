@@ -11,6 +11,11 @@
 #include "tests/tools/servo_support.hpp"
 
 namespace odoless {
+
+static void PrintTo(TiltDriver driver, std::ostream* out) {
+  *out << kTiltDriverNames[static_cast<std::size_t>(driver)];
+}
+
 namespace {
 
 using test::kServoMs;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <ostream>
 #include <sstream>
 
 #include "tests/tools/sim_support.hpp"
@@ -104,6 +105,8 @@ struct Example {
   double length_min_m;
   double length_max_m;
   double clearance_m;
+
+  friend void PrintTo(const Example& example, std::ostream* out) { *out << example.name; }
 };
 
 class ExampleWorld : public ::testing::TestWithParam<Example> {};

@@ -27,7 +27,11 @@ class Drive {
     return seen(scene_, motion, period_ns);
   }
   // The same while the laser is covered.
-  const OdometryStep& step_blind(const Pose2& motion) { return seen(SimulatedScene{}, motion, kPeriod_ns); }
+  const OdometryStep& step_blind(const Pose2& motion) { return step_in(SimulatedScene{}, motion); }
+  // The same in another scene.
+  const OdometryStep& step_in(const SimulatedScene& scene, const Pose2& motion) {
+    return seen(scene, motion, kPeriod_ns);
+  }
 
   [[nodiscard]] Pose2 truth() const { return map_T_start_.inverse() * map_T_scan_; }
   [[nodiscard]] Pose2 estimate() const { return last_.odom_T_scan; }
@@ -226,6 +230,21 @@ TEST(LaserOdometry, ErrorsInACorridorAreWithinTwoStatedDeviations) {
     EXPECT_LT(along, 2.0 * 2.0);
     EXPECT_GT(along, 0.02) << "not doubtful beyond reason";
     EXPECT_LT(across, 1.5);
+  }
+}
+
+// Where it was carried to, nothing is as before: what the first match makes of it is neither a speed nor a place.
+TEST(LaserOdometry, CarriedIntoAnotherSceneTracksOnThereAtOnce) {
+  Drive drive(cluttered_room(), {-0.8, -1.2, 0.0});
+  for (int i = 0; i < 60; ++i) {
+    EXPECT_FALSE(drive.step(motion_of_square(i)).jolted) << i;
+  }
+  EXPECT_TRUE(drive.step_in(pillar_field(), motion_of_square(60)).jolted);
+  for (int i = 61; i < 90; ++i) {  // a leg and a turn
+    const Pose2 motion = motion_of_square(i);
+    const OdometryStep& step = drive.step_in(pillar_field(), motion);
+    ASSERT_LT(step.previous_T_current.distance_m(motion), 0.06) << i;
+    ASSERT_LT(std::abs(wrap_angle(step.previous_T_current.yaw_rad - motion.yaw_rad)), 3.0 * kRadPerDeg) << i;
   }
 }
 

@@ -4,10 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ostream>
 #include <string>
 #include <vector>
 
 namespace odoless {
+
+static void PrintTo(DeStrategy strategy, std::ostream* out) {
+  *out << kDeStrategyNames[static_cast<std::size_t>(strategy)];
+}
+
 namespace {
 
 constexpr SearchBox kBox{{1.0, -2.0, 0.5}, {2.0, 3.0, 1.5}};

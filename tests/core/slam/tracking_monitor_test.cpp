@@ -109,6 +109,27 @@ TEST_F(TrackingMonitorTest, AfterSuchAScanNothingIsTrustedForAWhileHoweverWellIt
   EXPECT_EQ(monitor_.state(), Tracking::kSure);
 }
 
+TEST_F(TrackingMonitorTest, AfterATearScansMustFitAsIsUsual) {
+  constexpr double kFit = 0.72;  // enough by itself
+  scans(1, {.fit = kFit, .torn = true, .usual_fit = 0.8});
+  scans(20, {.fit = kFit, .usual_fit = 0.8});
+  EXPECT_EQ(monitor_.state(), Tracking::kSure);
+  scans(1, {.fit = kFit, .torn = true, .usual_fit = 1.0});
+  scans(20, {.fit = kFit, .usual_fit = 1.0});
+  EXPECT_EQ(monitor_.state(), Tracking::kLost);
+}
+
+TEST_F(TrackingMonitorTest, OnceFoundItIsInDoubtUntilScansHaveFittedForAWhile) {
+  monitor_.try_anew();
+  scans(10, kGood);
+  EXPECT_EQ(monitor_.state(), Tracking::kDoubtful);
+  scans(2, kGood);
+  EXPECT_EQ(monitor_.state(), Tracking::kSure);
+  monitor_.try_anew();
+  scans(9, kPassable);
+  EXPECT_EQ(monitor_.state(), Tracking::kLost) << "it was the wrong place";
+}
+
 TEST_F(TrackingMonitorTest, AHoleInTheScansCountsForLittleAndOneScanForNothingByItself) {
   scans(5, kGood);
   scans(2, kBad, 100.0);

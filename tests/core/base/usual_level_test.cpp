@@ -1,0 +1,41 @@
+#include "core/base/usual_level.hpp"
+
+#include <gtest/gtest.h>
+
+namespace odoless {
+namespace {
+
+TEST(UsualLevel, IsTheFirstValueUntilOthersCome) {
+  UsualLevel level;
+  EXPECT_EQ(level.value(), 0.0);
+  level.add(0.8, 0.001);
+  EXPECT_EQ(level.value(), 0.8);
+}
+
+TEST(UsualLevel, OneOddValueMovesItLittleAndManyMoveItThere) {
+  UsualLevel level;
+  level.add(0.8, 0.1);
+  level.add(0.0, 0.1);
+  EXPECT_GT(level.value(), 0.75);
+  for (int i = 0; i < 200; ++i) {
+    level.add(0.2, 0.1);
+  }
+  EXPECT_NEAR(level.value(), 0.2, 0.02);
+}
+
+TEST(UsualLevel, CountsValuesByTheirTimeAndNotByTheirNumber) {
+  UsualLevel often;
+  UsualLevel rarely;
+  often.add(1.0, 1.0);
+  rarely.add(1.0, 1.0);
+  for (int i = 0; i < 100; ++i) {
+    often.add(0.0, 0.01);
+  }
+  rarely.add(0.0, 1.0);
+  EXPECT_NEAR(often.value(), rarely.value(), 0.03);
+  rarely.add(0.5, 100.0);
+  EXPECT_EQ(rarely.value(), 0.5) << "never beyond the value itself";
+}
+
+}  // namespace
+}  // namespace odoless
