@@ -97,7 +97,9 @@ double LaserOdometry::steady_period_s(double period_s) {
 
 void LaserOdometry::remember(const OdometryStep& step, double period_s) {
   // A blind robot is not taken to drive on for ever, and one that was carried away not to go on like that.
-  const bool leapt = step.matched && (step.match.escalated || step.jolted);
+  const bool is_fast = step.previous_T_current.distance_m({}) > params_.leap_mps * period_s ||
+                       std::abs(step.previous_T_current.yaw_rad) > params_.leap_radps * period_s;
+  const bool leapt = step.matched && (step.jolted || (step.match.escalated && is_fast));
   const double kept = leapt ? 0.0 : step.matched ? 1.0 : kSpeed_kept_unmatched;
   speed_x_mps_ *= kept;
   speed_y_mps_ *= kept;

@@ -37,6 +37,8 @@ struct LaserOdometryParams {
   double expectation_widening = 3.0;
   double speed_walk_sd_mps = 0.5;
   double speed_error_max_mps = 0.4;
+  double leap_mps = 2.5;
+  double leap_radps = 4.0;
   double jolt_share = 0.55;
   int jolt_scans = 3;
 
@@ -63,6 +65,11 @@ struct LaserOdometryParams {
                 "How far the speed is expected to change within 1 s, as a random walk.");
     visit.value("speed_error_max_mps", self.speed_error_max_mps, Range{0.01, 100.0},
                 "Most that the speed is taken to be in doubt, however long nothing held it.");
+    visit.value(
+        "leap_mps", self.leap_mps, Range{0.1, 100.0},
+        "A match that jolts, or that only the wide search finds, leaves no speed if it is faster than this: the "
+        "robot was carried (recovery.tracking.leap_mps).");
+    visit.value("leap_radps", self.leap_radps, Range{0.1, 100.0}, "The same of turning.");
     visit.value(
         "jolt_share", self.jolt_share, Range{0.0, 1.0},
         "A match that scores less than this share of what is usual is a jolt: the robot may have been carried.");

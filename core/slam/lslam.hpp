@@ -67,6 +67,8 @@ class Lslam {
 
   /// Puts every particle here; maps and paths stay.
   void set_pose(const Pose2& map_T_scan, const PoseSpread& spread = {});
+  /// The last update was too long ago for the speed of then to promise any travel.
+  void forget_speed() { speed_.reset(); }
 
   /// @param increment  From the scan of the last update to this one; ignored in the first. Finite.
   [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan,

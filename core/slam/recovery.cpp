@@ -1,5 +1,6 @@
 #include "core/slam/recovery.hpp"
 
+#include <algorithm>
 #include <optional>
 
 namespace odoless {
@@ -52,10 +53,11 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
 }
 
 Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
-  Lslam& low = slam.low();
   static_cast<void>(fit_.load(tracked.scan));
-  const Pose2 map_T_scan = low.pose(low.best()) * tracked.update_T_scan;
-  last_fit_ = fit_.of(low.map(low.best()), low.geometry(), map_T_scan);
+  last_fit_ = fit_with(slam.low(), slam.low().best(), tracked.update_T_scan);
+  if (last_fit_ < params_.tracking.suspect_fit_min) {
+    last_fit_ = best_fit(slam.low(), tracked.update_T_scan);
+  }
   monitor_.add(signs_of(tracked), tracked.scan.stamp_ns());
   const double span_s = span_.next_s(tracked.scan.stamp_ns());
   if (state() == Tracking::kSure) {
@@ -67,6 +69,19 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
     matched_s_ = 0.0;
   }
   return monitor_.is_trusted() ? Advice::kGoOn : Advice::kHold;
+}
+
+double Recovery::fit_with(Lslam& low, int particle, const Pose2& update_T_scan) const {
+  return fit_.of(low.map(particle), low.geometry(), low.pose(particle) * update_T_scan);
+}
+
+// At a loop the best particle may be wrong and another right: that is for the filter to decide, which needs the scan.
+double Recovery::best_fit(Lslam& low, const Pose2& update_T_scan) const {
+  double best = 0.0;
+  for (int particle = 0; particle < low.particles(); ++particle) {
+    best = std::max(best, fit_with(low, particle, update_T_scan));
+  }
+  return best;
 }
 
 TrackingSigns Recovery::signs_of(const TrackedScan& tracked) const {
@@ -92,6 +107,7 @@ Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
       return Advice::kHold;
     }
     monitor_.resume();
+    slam.low().forget_speed();
     return Advice::kGoOn;
   }
   slam.set_pose(*map_T_scan, {params_.search.spread_m, params_.search.spread_rad});

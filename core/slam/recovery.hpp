@@ -34,8 +34,8 @@ enum class Advice : std::uint8_t {
 /// filter without it, bit for bit, but for scans that do not fit and are held.
 ///
 /// Thread:    owned by the filter's thread.
-/// Real time: no allocation after construction; one scan's likelihood in one map while the robot is not lost, else a
-///            slice of the Relocaliser's.
+/// Real time: no allocation after construction; one scan's likelihood in the best map while the robot is not lost, in
+///            every particle's if it does not fit that; else a slice of the Relocaliser's.
 class Recovery {
  public:
   Recovery(const RecoveryParams& params, const ScanParams& scan, const Slam& slam);
@@ -61,6 +61,8 @@ class Recovery {
 
  private:
   [[nodiscard]] Advice diagnose(Slam& slam, const TrackedScan& tracked);
+  [[nodiscard]] double fit_with(Lslam& low, int particle, const Pose2& update_T_scan) const;
+  [[nodiscard]] double best_fit(Lslam& low, const Pose2& update_T_scan) const;
   [[nodiscard]] TrackingSigns signs_of(const TrackedScan& tracked) const;
   [[nodiscard]] Advice look_for_it(Slam& slam, const TrackedScan& tracked);
   [[nodiscard]] bool has_waited_enough(const TrackedScan& tracked);

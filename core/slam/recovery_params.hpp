@@ -17,6 +17,7 @@ struct TrackingParams {
   double torn_for_s = 3.0;
   double usual_share = 0.75;
   double lost_after_s = 0.7;
+  double contradicted_after_s = 10.0;
   double leap_m = 0.3;
   double leap_rad = 0.3;
   double leap_mps = 2.5;
@@ -41,8 +42,13 @@ struct TrackingParams {
                 "Time for which scans must then fit so well, one after the other, before any is mapped again.");
     visit.value("usual_share", self.usual_share, Range{0.0, 1.0},
                 "Nor less than this share of what scans usually fit; the same for a candidate that can be the robot.");
-    visit.value("lost_after_s", self.lost_after_s, Range{0.0, 60.0},
-                "Time of scans that do not fit, less that of scans that do, after which the robot is lost.");
+    visit.value(
+        "lost_after_s", self.lost_after_s, Range{0.0, 60.0},
+        "Time of scans that do not fit, less that of scans that do, after which the robot is lost where a scan did "
+        "not match the ones before.");
+    visit.value(
+        "contradicted_after_s", self.contradicted_after_s, Range{0.0, 600.0},
+        "The same where all scans matched: the filter may have closed a loop wrongly, and may mend it by itself.");
     visit.value("leap_m", self.leap_m, Range{0.0, 10.0},
                 "Step from scan to scan that is nothing special; where steps are larger, the scans are far apart.");
     visit.value("leap_rad", self.leap_rad, Range{0.0, 3.2}, "The same of a turn.");

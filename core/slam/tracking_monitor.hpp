@@ -50,9 +50,10 @@ class TrackingMonitor {
     fits_ = signs.fit >= bar(signs);
     const bool torn_anew = signs.torn || (torn_s_ > 0.0 && !fits_);
     torn_s_ = torn_anew ? params_.torn_for_s : std::max(0.0, torn_s_ - span_s);
-    poor_s_ = std::clamp(poor_s_ + (fits_ ? -span_s : span_s), 0.0, params_.lost_after_s);
+    const double patience_s = torn_s_ > 0.0 ? params_.lost_after_s : params_.contradicted_after_s;
+    poor_s_ = std::clamp(poor_s_ + (fits_ ? -span_s : span_s), 0.0, patience_s);
     poor_scans_ = fits_ ? std::max(0, poor_scans_ - 1) : std::min(kPoor_scans, poor_scans_ + 1);
-    lost_ = lost_ || signs.carried || (poor_s_ >= params_.lost_after_s && poor_scans_ == kPoor_scans);
+    lost_ = lost_ || signs.carried || (poor_s_ >= patience_s && poor_scans_ == kPoor_scans);
   }
 
   /// Whether the last scan may be mapped.

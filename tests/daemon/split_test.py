@@ -114,6 +114,21 @@ class SplitTest(unittest.TestCase):
             self.assertLess(time.monotonic(), end, f"{name}: did not happen in time")
             time.sleep(0.05)
 
+    def wait_until_idle(self, name, process):
+        """Until nothing waits in its queues: in half a second it uses less than a tenth of a core."""
+        def has_paused():
+            before_s = self.cpu_s(process)
+            time.sleep(0.5)
+            return self.cpu_s(process) - before_s < 0.05
+
+        self.wait_until(name, has_paused)
+
+    @staticmethod
+    def cpu_s(process):
+        with open(f"/proc/{process.pid}/stat", encoding="utf-8") as file:
+            fields = file.read().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
     def says(self, name, what):
         with open(self.path(name + ".txt"), encoding="utf-8") as log:
             return what in log.read()
@@ -147,7 +162,7 @@ class SplitTest(unittest.TestCase):
                              "--stages", "sensor,matcher", "--replay", self.log, "--rate", RATE)
         self.finish(name + "_front", before)
         self.wait_until(name, lambda: self.says(name, "no scans"))
-        time.sleep(1.0)  # what waits in its queues
+        self.wait_until_idle(name, after)
         self.finish(name, after, signal.SIGTERM)
         return relay
 
@@ -187,7 +202,7 @@ class SplitTest(unittest.TestCase):
         subprocess.run([player, "--lcm-url=" + url(self.port) + "?ttl=0", "--regexp=ODOLESS_SCAN",
                         self.path("recorded.00000.lcm")], check=True, timeout=120, stdout=subprocess.DEVNULL)
         self.wait_until("played", lambda: self.says("played", "no scans"))
-        time.sleep(1.0)
+        self.wait_until_idle("played", played)
         self.finish("played", played, signal.SIGTERM)
         for name in ("trajectory.tum", "map.pgm"):
             with open(self.path("whole/" + name), "rb") as one, open(self.path("played/" + name), "rb") as two:

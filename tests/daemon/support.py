@@ -12,6 +12,7 @@ import unittest
 
 PROGRAMS, SOURCES = sys.argv[1:3]
 sys.path.append(os.path.join(SOURCES, "tests", "support"))
+from host_watch import wait_for  # there
 WORLD = os.path.join(SOURCES, "tools", "worlds", "rooms.world")
 
 
@@ -85,12 +86,11 @@ class DaemonCase(unittest.TestCase):
         return bool(state) and "servo does not obey" not in state
 
     def wait_until(self, holds, seconds, pause_s=0.01):
-        end = time.monotonic() + seconds
-        while not holds():
-            if time.monotonic() >= end:
-                self.fail(f"did not happen in time; the daemon says: {self.state() or self.last_words()}")
-            time.sleep(pause_s)
-        return seconds - (end - time.monotonic())
+        """Returns after how many seconds it held."""
+        waited_s = wait_for(holds, seconds, pause_s)
+        if waited_s is None:
+            self.fail(f"did not happen in {seconds} s; the daemon says: {self.state() or self.last_words()}")
+        return waited_s
 
     def ctl(self, *command):
         return run("odoless", "ctl", "--socket", self.path("control"), *command)
@@ -110,7 +110,7 @@ class DaemonCase(unittest.TestCase):
         return time.monotonic() - begin
 
     def wait_until_ok(self):
-        self.wait_until(lambda: self.state() == "OK", 30)
+        self.wait_until(lambda: self.state() == "OK", 10)
 
     def last_words(self):
         """Of the programs that have ended: how, and what they said."""

@@ -126,8 +126,6 @@ struct Growing {
   friend void PrintTo(const Growing& growing, std::ostream* out) { *out << growing.name; }
 };
 
-void PrintTo(const Growing& growing, std::ostream* out) { *out << growing.name; }
-
 class GrowingCount : public HealthMonitorTest, public ::testing::WithParamInterface<Growing> {};
 
 TEST_P(GrowingCount, IsAReasonForAWhileAndLatchedForEver) {

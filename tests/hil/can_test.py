@@ -83,10 +83,10 @@ class CanTest(DaemonTest):
 
         def time_to_obey():
             run("ip", "link", "set", "vcan0", "down")
-            self.wait_until(lambda: not self.obeys(), 10, "the flag")
+            self.wait_until(lambda: not self.obeys(), 2, "the flag")
             time.sleep(1)
             run("ip", "link", "set", "vcan0", "up")
-            return self.wait_until_it_obeys(20)
+            return self.wait_until_it_obeys(10)
 
         keep_promise(self, 1.0, time_to_obey)
 
@@ -97,15 +97,15 @@ class CanTest(DaemonTest):
 
         def time_after_bus_off():
             run("cansend", "vcan0", "20000040#0000000000000000")
-            self.wait_until(lambda: not self.obeys(), 10, "the flag")
-            return self.wait_until_it_obeys(20)
+            self.wait_until(lambda: not self.obeys(), 2, "the flag")
+            return self.wait_until_it_obeys(10)
 
         def time_after_a_flood():
             flood = self.start("cangen", "vcan0", "-I", "000", "-L", "8", "-D", "8001000000000000", "-g", "1")
             time.sleep(2)
             flood.kill()
             flood.wait()
-            return self.wait_until_it_obeys(20)
+            return self.wait_until_it_obeys(10)
 
         keep_promise(self, 1.0, time_after_bus_off)
         keep_promise(self, 1.0, time_after_a_flood)
@@ -116,7 +116,7 @@ class CanTest(DaemonTest):
         self.wait_until_it_obeys(20)
         servo.kill()
         servo.wait()
-        self.wait_until(lambda: not self.obeys(), 10, "the flag")
+        self.wait_until(lambda: not self.obeys(), 1.0, "the flag")
         self.start_servo()
-        self.wait_until_it_obeys(20)
+        self.wait_until_it_obeys(5)
 

@@ -125,7 +125,7 @@ class GpioTest(DaemonTest):
         # Without a filter, the state is INIT: a second on, a second off. A busy host disturbs it now and then.
         self.wait_for_light(4, lambda light: 0.3 < self.share_on(light) < 0.7 and 3 <= self.changes(light) <= 5)
         laser.kill()
-        self.wait_until(lambda: "FAULT" in self.status(), 10, "the fault")
+        self.wait_until(lambda: "FAULT" in self.status(), 5, "the fault")
         self.wait_for_light(2, lambda light: self.changes(light) > 15)
 
     def wait_for_light(self, seconds, is_right):

@@ -12,6 +12,7 @@ import unittest
 
 PROGRAMS, SOURCES = sys.argv[1:3]
 sys.path.append(os.path.join(SOURCES, "tests", "support"))
+from host_watch import wait_for  # there
 
 
 def program(name, *arguments):
@@ -46,11 +47,9 @@ class HilTest(unittest.TestCase):
 
     def wait_until(self, holds, seconds, what="it"):
         """Returns after how many seconds it held."""
-        begin = time.monotonic()
-        while not holds():
-            self.assertLess(time.monotonic() - begin, seconds, f"{what} did not happen in {seconds} s")
-            time.sleep(0.01)
-        return time.monotonic() - begin
+        waited_s = wait_for(holds, seconds)
+        self.assertIsNotNone(waited_s, f"{what} did not happen in {seconds} s")
+        return waited_s
 
 
 class SimulatedGpio:

@@ -60,10 +60,10 @@ class UsbTest(DaemonTest):
             nonlocal laser
             self.wait_for_scans(20, 30)
             self.pull_out(laser)
-            self.wait_until(lambda: "no scans" in self.status(), 10, "the flag")
+            self.wait_until(lambda: "no scans" in self.status(), 1, "the flag")
             laser = self.plug_in()
             self.wait_until(is_there, 10, "the device's return")
-            return self.wait_for_scans(1, 20)
+            return self.wait_for_scans(1, 10)
 
         keep_promise(self, 1.0, time_to_scan_again)
         self.wait_for_scans(20, 20)

@@ -23,8 +23,6 @@ struct ClockCase {
   friend void PrintTo(const ClockCase& clock_case, std::ostream* out) { *out << clock_case.name; }
 };
 
-void PrintTo(const ClockCase& clock, std::ostream* out) { *out << clock.name; }
-
 /// How long the quickest of a few tries takes: whatever else the machine does makes them slower, never quicker.
 template <class Act>
 std::int64_t quickest_ns(const Act& act) {

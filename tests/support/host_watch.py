@@ -28,6 +28,17 @@ class HostWatch:
             self.withheld_s += max(0.0, time.monotonic() - begin - 2 * NAP_S)
 
 
+def wait_for(holds, seconds, pause_s=0.01):
+    """Until it holds; after how many seconds it did, or None. What the machine withheld does not count as waiting."""
+    begin = time.monotonic()
+    with HostWatch() as host:
+        while not holds():
+            if time.monotonic() - begin - host.withheld_s >= seconds:
+                return None
+            time.sleep(pause_s)
+    return time.monotonic() - begin
+
+
 def keep_promise(test, bound_s, attempt):
     """Asserts that what `attempt` times, in seconds, takes less than `bound_s`.
 

@@ -5,16 +5,20 @@
 namespace odoless {
 namespace {
 
-TEST(UsualLevel, IsTheFirstValueUntilOthersCome) {
+TEST(UsualLevel, NothingIsUsualBeforeItWasSeenForAWhile) {
   UsualLevel level;
   EXPECT_EQ(level.value(), 0.0);
-  level.add(0.8, 0.001);
-  EXPECT_EQ(level.value(), 0.8);
+  for (int i = 0; i < 49; ++i) {
+    level.add(0.8, 0.1);
+    ASSERT_EQ(level.value(), 0.0);
+  }
+  level.add(0.8, 0.2);
+  EXPECT_NEAR(level.value(), 0.8, 1e-12);
 }
 
 TEST(UsualLevel, OneOddValueMovesItLittleAndManyMoveItThere) {
   UsualLevel level;
-  level.add(0.8, 0.1);
+  level.add(0.8, 5.0);
   level.add(0.0, 0.1);
   EXPECT_GT(level.value(), 0.75);
   for (int i = 0; i < 200; ++i) {
@@ -26,8 +30,8 @@ TEST(UsualLevel, OneOddValueMovesItLittleAndManyMoveItThere) {
 TEST(UsualLevel, CountsValuesByTheirTimeAndNotByTheirNumber) {
   UsualLevel often;
   UsualLevel rarely;
-  often.add(1.0, 1.0);
-  rarely.add(1.0, 1.0);
+  often.add(1.0, 5.0);
+  rarely.add(1.0, 5.0);
   for (int i = 0; i < 100; ++i) {
     often.add(0.0, 0.01);
   }

@@ -19,8 +19,12 @@ class TrackingMonitorTest : public ::testing::Test {
     }
   }
 
-  TrackingParams params_{
-      .fit_min = 0.3, .suspect_fit_min = 0.5, .torn_fit_min = 0.7, .torn_for_s = 1.05, .lost_after_s = 0.75};
+  TrackingParams params_{.fit_min = 0.3,
+                         .suspect_fit_min = 0.5,
+                         .torn_fit_min = 0.7,
+                         .torn_for_s = 1.05,
+                         .lost_after_s = 0.45,
+                         .contradicted_after_s = 0.75};
   TrackingMonitor monitor_{params_};
   std::int64_t stamp_ns_ = 1'000'000'000;
 };
@@ -50,6 +54,18 @@ TEST_F(TrackingMonitorTest, IsLostAfterTheTimeGivenAndStaysSo) {
   EXPECT_EQ(monitor_.state(), Tracking::kLost);
   monitor_.reset();
   EXPECT_EQ(monitor_.state(), Tracking::kSure);
+}
+
+TEST_F(TrackingMonitorTest, IsLostSoonerAfterAScanThatMatchedNothing) {
+  scans(10, kGood);
+  scans(5, kBad);
+  EXPECT_EQ(monitor_.state(), Tracking::kDoubtful);
+  scans(10, kGood);
+  scans(1, {.fit = kBad.fit, .torn = true});
+  scans(3, kBad);
+  EXPECT_EQ(monitor_.state(), Tracking::kDoubtful);
+  scans(1, kBad);
+  EXPECT_EQ(monitor_.state(), Tracking::kLost);
 }
 
 TEST_F(TrackingMonitorTest, OnceItHasGoneOnWithoutBeingFoundItIsNeverSure) {
