@@ -17,7 +17,7 @@ enum class Tracking : std::uint8_t {
 
 /// What a scan says of the pose.
 struct TrackingSigns {
-  double fit = 1.0;        ///< ScanFit's, in the best particle's map
+  double fit = 1.0;        ///< ScanFit's, in the map that it fits best of those that matter
   bool suspect = false;    ///< the scene leaves one direction open, or few particles matter
   bool carried = false;    ///< the scan lies to the ones before farther away than a robot moves by itself
   bool torn = false;       ///< the scan did not match the ones before: what was known of the pose ends there

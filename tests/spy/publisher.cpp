@@ -75,7 +75,9 @@ class Robot {
   }
 
   bool send_pose() {
-    return link_.publish(PoseRecord{.stamp_ns = stamp_ns_, .map_T_scan = map_T_scan_, .particles = 100}) == Errc::kOk;
+    const TiltRecord tilt{.stamp_ns = stamp_ns_, .angle_rad = 0.1};
+    return link_.publish(PoseRecord{.stamp_ns = stamp_ns_, .map_T_scan = map_T_scan_, .particles = 100}) == Errc::kOk &&
+           link_.publish(tilt) == Errc::kOk;
   }
 
   bool send_health() {
@@ -127,6 +129,7 @@ int publish(const char* url, double duration_s) {
     std::fprintf(stderr, "publisher: %s\n", link.reason().c_str());
     return 69;
   }
+  link.send_again();
   Robot robot(link);
   const auto steps = static_cast<int>(duration_s * kRateHz);
   for (int i = 0; i < steps; ++i) {
