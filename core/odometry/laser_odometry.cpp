@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kMatch_sd_m = 0.01;  // what no covariance of a match may undercut: cells, thinning, distortion
 constexpr double kMatch_sd_rad = 0.003;
+constexpr double kHole_s = 1.0;       // between two scans: who sees little again after it may have gone there by itself
+constexpr double kSpan_max_s = 0.25;  // that one scan can stand for
 constexpr double kSpeed_kept_unmatched = 0.5;
 
 // The covariance in axes that the old ones are turned against by yaw_rad.
@@ -48,7 +50,8 @@ OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadl
       reference_, scan, {key_T_scan, widening * expected.sd_m, widening * expected.sd_rad}, deadline, rng);
   step.matched = match.ok();
   step.match = match.ok() ? match.value() : MatchResult{};
-  step.jolted = step.matched && step.match.score < params_.jolt_share * usual_score_.value();
+  const bool is_hole = period_s > kHole_s;
+  step.jolted = step.matched && !is_hole && step.match.score < params_.jolt_share * usual_score_.value();
   step.odom_T_scan = prediction.odom_T_scan;
   step.error = started_ ? prediction.error : MotionError{};  // the first scan is where the run begins
   if (step.matched) {
@@ -69,7 +72,7 @@ OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadl
 
 bool LaserOdometry::is_over_a_jolt(const OdometryStep& step, double period_s) {
   if (step.matched) {
-    usual_score_.add(step.match.score, period_s);
+    usual_score_.add(step.match.score, std::min(period_s, kSpan_max_s));
   }
   if (step.jolted) {
     jolt_scans_left_ = params_.jolt_scans;
