@@ -67,7 +67,7 @@ struct LaserOdometryParams {
                 "Most that the speed is taken to be in doubt, however long nothing held it.");
     visit.value(
         "leap_mps", self.leap_mps, Range{0.1, 100.0},
-        "A match that jolts, or that only the wide search finds, leaves no speed if it is faster than this: the "
+        "A match that only the wide search finds leaves no speed if it is faster than this, and a jolt never does: the "
         "robot was carried (recovery.tracking.leap_mps).");
     visit.value("leap_radps", self.leap_radps, Range{0.1, 100.0}, "The same of turning.");
     visit.value(
