@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/scan_span.hpp"
+
 namespace odoless {
 namespace {
 
 constexpr double kMatch_sd_m = 0.01;  // what no covariance of a match may undercut: cells, thinning, distortion
 constexpr double kMatch_sd_rad = 0.003;
-constexpr double kHole_s = 1.0;       // between two scans: who sees little again after it may have gone there by itself
-constexpr double kSpan_max_s = 0.25;  // that one scan can stand for
+constexpr double kHole_s = 1.0;  // between two scans: who sees little again after it may have gone there by itself
 constexpr double kSpeed_kept_unmatched = 0.5;
 
 // The covariance in axes that the old ones are turned against by yaw_rad.
@@ -72,7 +73,7 @@ OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadl
 
 bool LaserOdometry::is_over_a_jolt(const OdometryStep& step, double period_s) {
   if (step.matched) {
-    usual_score_.add(step.match.score, std::min(period_s, kSpan_max_s));
+    usual_score_.add(step.match.score, std::min(period_s, ScanSpan::kMax_s));
   }
   if (step.jolted) {
     jolt_scans_left_ = params_.jolt_scans;

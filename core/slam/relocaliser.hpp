@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "core/base/scan_span.hpp"
 #include "core/match/global_search.hpp"
 #include "core/slam/recovery_params.hpp"
 #include "core/slam/scan_fit.hpp"
-#include "core/slam/scan_span.hpp"
 #include "core/slam/slam.hpp"
 
 namespace odoless {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "core/base/scan_span.hpp"
 #include "core/slam/recovery_params.hpp"
-#include "core/slam/scan_span.hpp"
 
 namespace odoless {
 

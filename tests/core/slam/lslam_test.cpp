@@ -87,6 +87,27 @@ TEST(Lslam, TakesItsFirstScanFromWhereItWasReset) {
   EXPECT_EQ(path.size(), 1U);
 }
 
+// As after minutes in which the robot was lost: the speed of before would throw particles as far as it led in these.
+TEST(Lslam, PromisesNoTravelOnceItsSpeedIsForgotten) {
+  const auto promised_m = [](bool forget) {
+    Lslam lslam(room_filter(), 1);
+    SimulatedRoom room(4);
+    for (int i = 0; i < 10; ++i) {
+      room.step();
+      static_cast<void>(lslam.update(room.increment(), room.scan()));
+    }
+    if (forget) {
+      lslam.forget_speed();
+    }
+    room.step();
+    MotionIncrement increment = room.increment();
+    increment.to_stamp_ns = increment.from_stamp_ns + 100'000'000'000;
+    return lslam.update(increment, room.scan()).lambda_m;
+  };
+  EXPECT_GT(promised_m(false), 5.0);
+  EXPECT_EQ(promised_m(true), 0.0);
+}
+
 TEST(Lslam, HasWeightsOfSumOneAndNamesTheHeaviestBest) {
   LslamParams params = room_filter();
   params.resample_below = 0.0;

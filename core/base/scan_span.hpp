@@ -11,6 +11,8 @@ namespace odoless {
 /// Thread: owned by one thread. Real time: no allocation, constant time.
 class ScanSpan {
  public:
+  static constexpr double kMax_s = 0.25;  ///< most that one scan stands for
+
   /// From the last scan to this one, within the bounds; the least before the second.
   double next_s(std::int64_t stamp_ns) {
     const double span_s = started_ ? 1e-9 * static_cast<double>(stamp_ns - stamp_ns_) : 0.0;
@@ -21,7 +23,6 @@ class ScanSpan {
 
  private:
   static constexpr double kMin_s = 0.005;
-  static constexpr double kMax_s = 0.25;
 
   std::int64_t stamp_ns_ = 0;
   bool started_ = false;

@@ -1,4 +1,4 @@
-#include "core/slam/scan_span.hpp"
+#include "core/base/scan_span.hpp"
 
 #include <gtest/gtest.h>
 
