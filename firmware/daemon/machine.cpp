@@ -53,7 +53,7 @@ Machine::Machine(DaemonOptions& options)
   if (matcher_) {
     matcher_loop_ = std::make_unique<MatcherLoop>(pipeline_, *matcher_, params.matcher_budget_ns, has_filter(stages_));
   }
-  if (!filter_ && options.params.lcm.send_again) {
+  if (!filter_) {
     publisher_.link().send_again();
   }
   if (filter_) {

@@ -120,19 +120,24 @@ Errc LcmLink::send(const std::string& channel, const Message& message, bool to_t
   return to_tap_alone ? Errc::kOk : transmit(channel, bytes);
 }
 
+void LcmLink::send_again(Last& last, int times) {
+  for (; times > 0 && last.times_left > 0; --times, --last.times_left) {
+    static_cast<void>(transmit(last.again_channel, last.message));  // counted
+  }
+}
+
 template <class Message>
 Errc LcmLink::send_and_keep(const std::string& channel, const Message& message, Last& last) {
   if (!sends_again_) {
     return send(channel, message);
   }
-  for (const Last* each : {&last_scan_message_, &last_motion_message_}) {
-    if (!each->message.empty()) {
-      static_cast<void>(transmit(each->again_channel, each->message));  // counted
-    }
-  }
+  send_again(last_scan_message_, params_.send_again);
+  send_again(last_motion_message_, params_.send_again);
+  send_again(last, last.times_left);
   const Errc error = send(channel, message);
   const auto size_bytes = error == Errc::kTooLong ? 0 : message.getEncodedSize();
   last.message.assign(buffer_.begin(), buffer_.begin() + size_bytes);
+  last.times_left = size_bytes == 0 ? 0 : 2 * params_.send_again;
   return error;
 }
 

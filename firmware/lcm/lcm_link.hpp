@@ -89,9 +89,9 @@ class LcmLink {
   /// A piece of the 3D map of at most kCloudPointsMax points.
   [[nodiscard]] Errc publish(const CloudPiece& piece);
 
-  /// From now on the last scan and the last motion are sent once more before every scan and every motion, on the
-  /// channels `scan_again` and `motion_again`: where they take turns each goes out three times, at three times, before
-  /// the next of its kind. Not to the tap.
+  /// From now on every scan and every motion goes out 1 + 2 `LcmParams::send_again` times before the next of its kind:
+  /// as itself, and on the channels `scan_again` and `motion_again` before whatever of both comes next, so that a short
+  /// failure of the line does not meet all of them. Not to the tap.
   void send_again();
 
   [[nodiscard]] const LcmCounters& counters() const { return counters_; }
@@ -99,10 +99,11 @@ class LcmLink {
 
  private:
   struct Messages;
-  /// The last message of a kind; empty: none yet.
+  /// The last message of a kind.
   struct Last {
     std::string again_channel;
     std::vector<std::byte> message{};
+    int times_left = 0;
   };
   struct Closer {
     void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
@@ -112,6 +113,7 @@ class LcmLink {
   [[nodiscard]] Errc send(const std::string& channel, const Message& message, bool to_tap_alone = false);
   template <class Message>
   [[nodiscard]] Errc send_and_keep(const std::string& channel, const Message& message, Last& last);
+  void send_again(Last& last, int times);
   [[nodiscard]] Errc refuse_too_long();
   [[nodiscard]] const std::string& raw_channel(RawLine line, bool to_device) const;
   [[nodiscard]] Errc transmit(const std::string& channel, std::span<const std::byte> message);

@@ -13,7 +13,7 @@ struct LcmParams {
   std::string prefix = "ODOLESS_";
   double map_refresh_s = 5.0;
   double overview_s = 2.0;
-  bool send_again = true;
+  int send_again = 2;
   bool raw_bytes = false;
   bool scan_points = true;
 
@@ -27,9 +27,9 @@ struct LcmParams {
     visit.value("map_refresh_s", self.map_refresh_s, Range{0.5, 3600.0},
                 "Time in which every tile of the map is sent again.");
     visit.value("overview_s", self.overview_s, Range{0.2, 3600.0}, "Time between two messages of the whole map.");
-    visit.flag(
-        "send_again", self.send_again,
-        "Whether scans and motions for a filter elsewhere are sent three times, so that lost datagrams cost nothing.");
+    visit.value("send_again", self.send_again, Range{0, 9},
+                "How often a scan or motion for a filter elsewhere is sent again before the next message, and as often "
+                "before the one after it, so that lost datagrams cost nothing; at 40 Hz and 1081 beams 0.7 MB/s each.");
     visit.flag("raw_bytes", self.raw_bytes,
                "Whether the bytes to and from laser and tilt servo are sent; they are recorded in any case.");
     visit.flag("scan_points", self.scan_points, "Whether each scan is also sent as points in the map.");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "firmware/lcm/channels.hpp"
@@ -47,8 +48,8 @@ class LcmSource final : public ScanSource {
   Names names_;
   LcmReceiver receiver_;
   std::vector<float> ranges_m_;
-  std::int64_t last_scan_ns_ = 0;  ///< stamps
-  std::int64_t last_motion_ns_ = 0;
+  std::int64_t last_scan_ns_ = std::numeric_limits<std::int64_t>::min();  ///< stamps
+  std::int64_t last_motion_ns_ = std::numeric_limits<std::int64_t>::min();
   std::int64_t refused_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <lcm/lcm.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -51,7 +52,7 @@ class LcmSourceTest : public ::testing::Test {
   }
   void send_motion(const std::string& channel, std::int64_t to_stamp_us) {
     MotionRecord motion = test::example_motion();
-    motion.from_stamp_ns = (to_stamp_us - 10) * 1000;
+    motion.from_stamp_ns = std::max<std::int64_t>(to_stamp_us - 10, 0) * 1000;  // the first: as that of its end
     motion.to_stamp_ns = to_stamp_us * 1000;
     EXPECT_EQ(link_.publish(motion), Errc::kOk);
     send_last(channel);
@@ -115,6 +116,15 @@ TEST_F(LcmSourceTest, TakesWhatWasLostWhenItComesAgainAndNothingTwice) {
   send_motion(channels_.motion, 30);
   EXPECT_EQ(heard().scans_us, (Stamps{10, 20, 30}));
   EXPECT_EQ(heard().motions_us, (Stamps{10, 20, 30}));
+}
+
+TEST_F(LcmSourceTest, TakesTheVeryFirstWhenItComesAgainAlsoOfStampZero) {
+  send_scan(channels_.scan_again, 0);
+  send_motion(channels_.motion_again, 0);
+  send_scan(channels_.scan_again, 0);
+  send_motion(channels_.motion_again, 0);
+  EXPECT_EQ(heard().scans_us, Stamps{0});
+  EXPECT_EQ(heard().motions_us, Stamps{0});
 }
 
 TEST_F(LcmSourceTest, FollowsASenderWhoseStampsBeginAgain) {
