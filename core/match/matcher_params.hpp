@@ -9,7 +9,7 @@ namespace odoless {
 
 /// What a reference is made into.
 struct ReferenceParams {
-  NdtParams ndt{};
+  NdtParams ndt{.cell_size_m = 0.7};
   double wide_cell_size_m = 4.0;
   RasterParams fine{.resolution_m = 0.05, .extent_m = 20.0, .sigma_min_m = 0.05};
   RasterParams coarse{.resolution_m = 0.10, .extent_m = 20.0, .sigma_min_m = 0.25};
@@ -112,8 +112,8 @@ struct MatcherParams {
 };
 
 /// The method in its plainest form (sections 5.1.1 and 5.1.3 of the seed): DE/rand/1/bin with N = 100 members and G =
-/// 50 generations, spread evenly over the box, on the exact NDT score of every beam; nothing coarse, thinned, freed,
-/// refined or retried. For comparison.
+/// 50 generations, spread evenly over the box, on the exact NDT score of every beam with cells of 1 m; nothing coarse,
+/// thinned, freed, refined or retried. For comparison.
 [[nodiscard]] MatcherParams seed_matcher_params();
 
 }  // namespace odoless

@@ -33,6 +33,7 @@ Eigen::Matrix3d peak_covariance(const NdtDerivatives& peak, int points) {
 
 MatcherParams seed_matcher_params() {
   MatcherParams params;
+  params.reference.ndt.cell_size_m = 1.0;
   params.reference.thinning_m = 0.0;
   params.reference.free_penalty = 0.0;
   params.search.start_points = 100;
@@ -108,7 +109,8 @@ SearchOutcome NdtMatcher::search(MatchReference& reference, const MotionPrior& p
   const SearchGround ground{reference.coarse(), reference.fine(), reference.orientations(), prior,
                             reference.exact_ndt()};
   SearchOutcome first = search_.run(ground, scan_, deadline, rng);
-  if (!is_poor(first) || first.stop == StopReason::kDeadline) {
+  // What has climbed out of the box is one of the answers out there, and not the best of them for sure.
+  if ((!is_poor(first) && search_.box().holds(first.best.point)) || first.stop == StopReason::kDeadline) {
     return first;
   }
   result.escalated = true;

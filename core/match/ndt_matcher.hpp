@@ -26,7 +26,7 @@ struct MatchResult {
   double fitness = 0.0;  ///< mean exact NDT score per return, 0 (no overlap) to 1 (every point on a mean)
   double score = 0.0;    ///< mean score per thinned point, less where points contradict free space
   bool converged = false;
-  bool escalated = false;  ///< the first answer was poor and the wider search was run
+  bool escalated = false;  ///< the first answer was poor or outside of its box, and the wider search was run
   StopReason stop = StopReason::kBudget;
   int evaluations = 0;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< over (x_m, y_m, yaw_rad), reference's axes
@@ -50,7 +50,8 @@ struct Expectation {
 
 /// Matches a scan to a reference by a global search over the NDT score, with no prior but the centre of the box.
 ///
-/// A poor match is tried once more with wide cells, a wider box and every rotation, and says so.
+/// A poor match, and one that climbed out of the box, is tried once more with wide cells, a wider box and every
+/// rotation, and says so.
 /// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; bounded evaluations; at a
 /// deadline the best so far.
 class NdtMatcher {

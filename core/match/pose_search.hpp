@@ -61,6 +61,9 @@ class PoseSearch {
   [[nodiscard]] SearchOutcome run(const SearchGround& ground, const SearchedScan& scan, const Deadline& deadline,
                                   Rng& rng);
 
+  /// Where the last search looked; its answer may have climbed out.
+  [[nodiscard]] const SearchBox& box() const { return evolution_.box(); }
+
   /// Climbs from `start` to the peak of the fine raster near it with about `steps` evaluations, added to `evaluations`.
   [[nodiscard]] static ScoredPoint climb(const SearchGround& ground, const PointSet& points, const SearchPoint& start,
                                          int steps, int& evaluations);

@@ -29,6 +29,16 @@ void SearchBox::reflect(SearchPoint& point) const {
   }
 }
 
+bool SearchBox::holds(const SearchPoint& point) const {
+  constexpr double kRounding = 1e-9;  // of a point on a wall
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    if (std::abs(point[i] - centre[i]) > half_size[i] + kRounding) {
+      return false;
+    }
+  }
+  return true;
+}
+
 SearchPoint SearchBox::at(const SearchPoint& fractions) const {
   SearchPoint point{};
   for (std::size_t i = 0; i < point.size(); ++i) {

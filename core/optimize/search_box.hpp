@@ -16,6 +16,8 @@ struct SearchBox {
 
   /// Brings every coordinate back into the box by reflection at its walls.
   void reflect(SearchPoint& point) const;
+  /// Whether the point is in the box or on its walls.
+  [[nodiscard]] bool holds(const SearchPoint& point) const;
   /// The point at fractions (u, v, w) in [0, 1] of the box.
   [[nodiscard]] SearchPoint at(const SearchPoint& fractions) const;
 };

@@ -113,8 +113,8 @@ Experiment log_experiment(const char* name, const char* figures, const char* tit
 enum SparseRun : std::size_t { kSmallCells, kWideCells, kNoSecondTry, kSecondTrySmall, kSecondTryWide };
 
 Findings conclude_sparse(const Evidence& evidence) {
-  constexpr std::array kLabels{"cells of 1000 mm", "cells of 4000 mm", "no second try", "second try with 1000 mm",
-                               "second try with 4000 mm, as built in"};
+  constexpr std::array kLabels{"cells of 1000 mm", "cells of 4000 mm", "no second try",
+                               "second try with cells as small", "second try with 4000 mm, as built in"};
   const std::span<const Run> runs = evidence.runs();
   const ReferencePoses truth = evidence.scene(runs[0].name).truth;
   std::vector<MatchingSummary> summaries;
@@ -155,7 +155,7 @@ Experiment sparse_experiment(Extent extent) {
                         {recorded_pairs("sparse-seed-1m", orebro_scene(), small, extent),
                          recorded_pairs("sparse-seed-4m", orebro_scene(), wide, extent),
                          recorded_pairs("sparse-no-second-try", orebro_scene(), no_try, extent),
-                         recorded_pairs("sparse-second-try-1m", orebro_scene(), small_try, extent),
+                         recorded_pairs("sparse-second-try-small", orebro_scene(), small_try, extent),
                          recorded_pairs("sparse-default", orebro_scene(), {}, extent)},
                         conclude_sparse};
   for (Run& run : std::span(experiment.runs).subspan(kNoSecondTry)) {

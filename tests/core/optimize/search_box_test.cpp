@@ -55,6 +55,15 @@ TEST(SearchBox, ReflectionKeepsInsideAndMirrorsOutside) {
   EXPECT_NEAR(outside[2], 4.5, 1e-12);
 }
 
+TEST(SearchBox, HoldsWhatIsNoFartherThanItsWalls) {
+  const SearchBox box{{1.0, 2.0, 3.0}, {0.5, 1.0, 2.0}};
+  EXPECT_TRUE(box.holds({1.0, 2.0, 3.0}));
+  EXPECT_TRUE(box.holds({0.5, 3.0, 5.0}));
+  EXPECT_FALSE(box.holds({0.499, 2.0, 3.0}));
+  EXPECT_FALSE(box.holds({1.0, 3.001, 3.0}));
+  EXPECT_FALSE(box.holds({1.0, 2.0, 0.999}));
+}
+
 TEST(SearchBox, ReflectionBringsBackFromAnywhere) {
   const SearchBox box{{1.0, 2.0, 3.0}, {0.5, 1.0, 2.0}};
   Rng rng(1);
@@ -65,6 +74,7 @@ TEST(SearchBox, ReflectionBringsBackFromAnywhere) {
     for (std::size_t k = 0; k < p.size(); ++k) {
       EXPECT_LE(std::abs(p[k] - box.centre[k]), box.half_size[k] + 1e-12);
     }
+    EXPECT_TRUE(box.holds(p));
   }
 }
 
