@@ -1,14 +1,21 @@
 #include "firmware/gpio/gpio_recorder.hpp"
 
+#include <utility>
+
 namespace odoless {
 
 void GpioRecorder::on_edge(GpioPin pin, bool high, std::int64_t stamp_ns) {
-  tell({pin, high ? GpioLevel::kHigh : GpioLevel::kLow}, stamp_ns);
+  const auto i = static_cast<std::size_t>(pin);
+  const GpioLevel level = high ? GpioLevel::kHigh : GpioLevel::kLow;
+  if (!std::exchange(told_before_its_edge_.at(i), false) || told_.at(i) != level) {
+    tell({pin, level}, stamp_ns);
+  }
 }
 
 void GpioRecorder::on_level(GpioPin pin, GpioLevel level, std::int64_t stamp_ns) {
   if (told_.at(static_cast<std::size_t>(pin)) != level) {
     tell({pin, level}, stamp_ns);
+    told_before_its_edge_.at(static_cast<std::size_t>(pin)) = true;
   }
 }
 

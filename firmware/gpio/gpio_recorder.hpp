@@ -16,7 +16,7 @@ class GpioRecorder {
  public:
   explicit GpioRecorder(Outbox& outbox) : outbox_(outbox) {}
 
-  /// An edge as the kernel tells of it.
+  /// An edge as the kernel tells of it; not told again where its level was read before the edge came.
   void on_edge(GpioPin pin, bool high, std::int64_t stamp_ns);
   /// What was read from a line, or set, or that it is lost: told where it is no longer what was told last.
   void on_level(GpioPin pin, GpioLevel level, std::int64_t stamp_ns);
@@ -26,6 +26,7 @@ class GpioRecorder {
 
   Outbox& outbox_;
   std::array<std::optional<GpioLevel>, kGpioPinNames.size()> told_{};
+  std::array<bool, kGpioPinNames.size()> told_before_its_edge_{};
 };
 
 }  // namespace odoless

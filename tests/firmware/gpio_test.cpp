@@ -102,6 +102,21 @@ TEST(GpioRecorder, TellsEachEdgeAndWhatALevelHasBecome) {
   EXPECT_EQ(told(outbox), "1 < stop high\n3 < stop low\n4 < stop low\n6 > power high\n7 < stop lost\n");
 }
 
+// The line changes after its edges were drained and before its level is read: the edge comes in the next round.
+TEST(GpioRecorder, TellsAChangeOnceWhoseLevelWasReadBeforeItsEdgeCame) {
+  Outbox outbox(4096);
+  GpioRecorder recorder(outbox);
+  recorder.on_level(GpioPin::kStop, GpioLevel::kHigh, 1);
+  recorder.on_level(GpioPin::kStop, GpioLevel::kLow, 2);
+  recorder.on_edge(GpioPin::kStop, false, 2);
+  recorder.on_level(GpioPin::kStop, GpioLevel::kLow, 3);
+  recorder.on_edge(GpioPin::kStop, true, 4);
+  recorder.on_edge(GpioPin::kStop, false, 5);
+  recorder.on_level(GpioPin::kStop, GpioLevel::kHigh, 6);
+  recorder.on_edge(GpioPin::kStop, true, 6);
+  EXPECT_EQ(told(outbox), "1 < stop high\n2 < stop low\n4 < stop high\n5 < stop low\n6 < stop high\n");
+}
+
 TEST(GpioThread, AStopLineThatIsNotThereIsAStop) {
   GpioParams params;
   params.stop_line = "odoless-no-such-line";
