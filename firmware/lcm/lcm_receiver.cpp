@@ -31,6 +31,12 @@ bool set_option(int descriptor, int level, int option, int value) {
   return setsockopt(descriptor, level, option, &value, sizeof(value)) == 0;
 }
 
+// Beyond net.core.rmem_max where the process may; else up to it, without a word.
+bool set_receive_buffer(int descriptor, int bytes) {
+  return set_option(descriptor, SOL_SOCKET, SO_RCVBUFFORCE, bytes) ||
+         set_option(descriptor, SOL_SOCKET, SO_RCVBUF, bytes);
+}
+
 // Several receivers on one host share the port.
 bool share_port(int descriptor) {
   return set_option(descriptor, SOL_SOCKET, SO_REUSEADDR, 1) && set_option(descriptor, SOL_SOCKET, SO_REUSEPORT, 1);
@@ -86,8 +92,8 @@ Errc LcmReceiver::open() {
   descriptor_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   const int buffer_bytes = address.value().receive_buffer_bytes;
   if (descriptor_ < 0 || !share_port(descriptor_) ||
-      (buffer_bytes > 0 && !set_option(descriptor_, SOL_SOCKET, SO_RCVBUF, buffer_bytes)) ||
-      !bind_to(descriptor_, address.value()) || !join(descriptor_, address.value())) {
+      (buffer_bytes > 0 && !set_receive_buffer(descriptor_, buffer_bytes)) || !bind_to(descriptor_, address.value()) ||
+      !join(descriptor_, address.value())) {
     const std::string why = std::generic_category().message(errno);
     return fail(Errc::kUnavailable,
                 "cannot receive from '" + url_ + "': " + why +

@@ -6,7 +6,6 @@
 import bisect
 import math
 import os
-import signal
 import statistics
 import struct
 import sys
@@ -96,10 +95,7 @@ class CloudTest(DaemonCase):
         self.assertEqual(self.ctl("save").returncode, 0)
         saved_before = os.path.getsize(self.path("out/cloud." + form))
         time.sleep(drive_s)
-        asked = time.monotonic()
-        daemon.send_signal(signal.SIGTERM)
-        self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
-        self.assertLess(time.monotonic() - asked, 1.5)
+        self.stop_in_time(daemon)
         self.assertGreaterEqual(os.path.getsize(self.path("out/cloud." + form)), saved_before)
         with open(self.path("out/cloud." + form), "rb") as file:
             return file.read()

@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import unittest
 
 PROGRAMS, SOURCES = sys.argv[1:3]
 sys.path.append(os.path.join(SOURCES, "tests", "support"))
-from host_watch import wait_for  # there
+from host_watch import HostWatch, wait_for  # there
 WORLD = os.path.join(SOURCES, "tools", "worlds", "rooms.world")
 
 
@@ -91,6 +92,16 @@ class DaemonCase(unittest.TestCase):
         if waited_s is None:
             self.fail(f"did not happen in {seconds} s; the daemon says: {self.state() or self.last_words()}")
         return waited_s
+
+    def stop_in_time(self, daemon):
+        """It drains, saves and ends within a second; what the machine withheld does not count."""
+        with HostWatch() as host:
+            asked = time.monotonic()
+            daemon.send_signal(signal.SIGTERM)
+            self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+            took_s = time.monotonic() - asked
+        print(f"  ended after {took_s:.3f} s, of which the machine withheld {host.withheld_s:.3f} s")
+        self.assertLess(took_s - host.withheld_s, 1.0)
 
     def ctl(self, *command):
         return run("odoless", "ctl", "--socket", self.path("control"), *command)
