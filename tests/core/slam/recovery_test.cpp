@@ -1,0 +1,91 @@
+#include "core/slam/recovery.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/slam/scan_fit.hpp"
+#include "tests/support/simulated_room.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr int kBeams = 120;
+constexpr double kPeriod_s = 0.1;
+constexpr ScanParams kScan{.beams_max = kBeams, .range_max_m = 20.0};
+
+SlamParams small_slam() {
+  SlamParams params;
+  params.low.particles = 50;
+  params.low.grid = {.resolution_m = 0.1, .width_m = 8.0, .height_m = 8.0, .tiles_max = 8000};
+  params.high.particles = 0;
+  return params;
+}
+
+/// A filter that has mapped the room, each scan of it seen by the recovery first; and the recovery's figures, anew.
+class RecoveryTest : public ::testing::Test {
+ protected:
+  RecoveryTest() : slam_(small_slam(), kScan, 5), room_(4, kBeams), recovery_(params_, kScan, slam_) {
+    for (int i = 0; i < 2 * params_.tracking.updates_min; ++i) {
+      room_.step();
+      EXPECT_TRUE(i == 0 || advice() == Advice::kGoOn) << i;
+      recovery_.note(slam_.update(room_.increment(), room_.scan()), slam_.particles());
+    }
+    room_.step();
+  }
+
+  Advice advice() {
+    const Pose2& step = room_.increment().previous_T_current;
+    return recovery_.process(slam_, {.scan = room_.scan(),
+                                     .update_T_scan = step,
+                                     .previous_T_current = step,
+                                     .period_s = kPeriod_s,
+                                     .weak_information_1_m2 = 2.0 * params_.tracking.weak_information_1_m2});
+  }
+
+  double fit_of(int particle) {
+    Lslam& low = slam_.low();
+    ScanFit fit(low.params().beam, params_.tracking.fit_sigma_m, low.geometry().resolution_m, low.params().beams_used);
+    EXPECT_GT(fit.load(room_.scan()), 0);
+    return fit.of(low.map(particle), low.geometry(), low.pose(particle) * room_.increment().previous_T_current);
+  }
+
+  double best_fit() {
+    double best = 0.0;
+    for (int particle = 0; particle < slam_.particles(); ++particle) {
+      best = std::max(best, fit_of(particle));
+    }
+    return best;
+  }
+
+  RecoveryParams params_;
+  Slam slam_;
+  SimulatedRoom room_;
+  Recovery recovery_;
+};
+
+TEST_F(RecoveryTest, TakesTheBestParticlesFitWhereThatIsGood) {
+  EXPECT_EQ(advice(), Advice::kGoOn);
+  EXPECT_EQ(recovery_.fit(), fit_of(slam_.low().best()));
+  EXPECT_GT(recovery_.fit(), 0.7);
+}
+
+// As at a loop: which particle is right is for the filter to decide, and for that it needs the scan.
+TEST_F(RecoveryTest, LeavesTheScanToAFilterWhoseBestParticleAloneIsWrong) {
+  slam_.set_pose(slam_.map_T_scan(), {.sd_m = 0.7, .sd_rad = 0.5});
+  ASSERT_LT(fit_of(slam_.low().best()), params_.tracking.fit_min);
+  ASSERT_GT(best_fit(), 2.0 * params_.tracking.suspect_fit_min);
+  EXPECT_EQ(advice(), Advice::kGoOn);
+  EXPECT_EQ(recovery_.fit(), best_fit());
+}
+
+TEST_F(RecoveryTest, HoldsAScanThatFitsNoParticle) {
+  const Pose2 wrong = slam_.map_T_scan() * Pose2{1.5, 1.0, 0.9};
+  slam_.set_pose(wrong);
+  ASSERT_LT(best_fit(), params_.tracking.fit_min);
+  EXPECT_EQ(advice(), Advice::kHold);
+  EXPECT_EQ(recovery_.fit(), best_fit());
+}
+
+}  // namespace
+}  // namespace odoless
