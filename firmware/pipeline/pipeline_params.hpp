@@ -12,6 +12,7 @@ struct PipelineParams {
   int motion_queue = 64;
   std::int64_t matcher_budget_ns = 20'000'000;
   std::int64_t filter_budget_ns = 20'000'000;
+  std::int64_t scan_budget_ns = 25'000'000;
   int particles_min = 20;
   std::int64_t watchdog_ns = 2'000'000'000;
   int sensor_priority = 60;
@@ -31,6 +32,8 @@ struct PipelineParams {
                 "CPU time for one match; at its end the best so far stands. Not used in a replay.");
     visit.value("filter_budget_ns", self.filter_budget_ns, Range<std::int64_t>{1'000'000, 10'000'000'000},
                 "CPU time for one update of the filter; particles adapt to it. Not used in a replay.");
+    visit.value("scan_budget_ns", self.scan_budget_ns, Range<std::int64_t>{1'000'000, 20'000'000'000},
+                "CPU time for both: the filter has no more than the match of its scan has left. Not used in a replay.");
     visit.value("particles_min", self.particles_min, Range{1, 10'000}, "Particles that stay, whatever the time.");
     visit.value("watchdog_ns", self.watchdog_ns, Range<std::int64_t>{50'000'000, 60'000'000'000},
                 "A stage that does not answer for so long has hung: the daemon ends with status 70, to be restarted.");

@@ -32,12 +32,14 @@ class FilterLoop {
   void process(const MotionMessage& message);
   void obey(const FilterCommand& command);
   void publish(const FilterStep& step, const OdometryStep& motion);
-  void adapt(std::int64_t used_ns);
+  /// CPU time for this update.
+  [[nodiscard]] std::int64_t budget_ns(const MotionMessage& message) const;
+  void adapt(std::int64_t used_ns, std::int64_t budget_ns);
   void report(const FilterStep& step);
 
   Pipeline& pipeline_;
   FilterStage& stage_;
-  std::int64_t budget_ns_;
+  PipelineParams params_;
   int particles_min_;
   double particles_;  ///< as many as the budget allows
   TileSweep tiles_;

@@ -90,8 +90,8 @@ class SplitTest(unittest.TestCase):
 
     def config(self, name, **tables):
         # No budget and no queue is to change what comes out: the machine may be slow.
-        unbounded = {"matcher_budget_ms": 1000.0, "filter_budget_ms": 10_000.0, "particles_min": 10_000,
-                     "scan_queue": 1024, "motion_queue": 4096}
+        unbounded = {"matcher_budget_ms": 1000.0, "filter_budget_ms": 10_000.0, "scan_budget_ms": 20_000.0,
+                     "particles_min": 10_000, "scan_queue": 1024, "motion_queue": 4096}
         tables = {"control": {"socket": ""}, "pipeline": unbounded} | tables
         with open(self.path(name + ".toml"), "w", encoding="utf-8") as file:
             for table, keys in tables.items():

@@ -106,6 +106,7 @@ SMALL_DAEMON = """
 url = ""
 [pipeline]
 matcher_budget_ms = 20.0
+scan_budget_ms = 40.0
 sensor_priority = 10
 matcher_priority = 0
 watchdog_ms = 5000.0
