@@ -6,7 +6,9 @@
 namespace odoless {
 namespace {
 
-constexpr double kDeadline = 0.75;  // of the budget: what is left is for what an update ends with
+// Of a budget: the rest is for what an update ends with.
+constexpr double kDeadline = 0.75;
+constexpr double kScanDeadline = 0.9;
 
 }  // namespace
 
@@ -44,8 +46,8 @@ void FilterLoop::run(const std::atomic<bool>& before) {
 
 void FilterLoop::process(const MotionMessage& message) {
   timer_.begin();
-  const std::int64_t budget_ns = this->budget_ns(message);
-  const CpuDeadline deadline(static_cast<std::int64_t>(kDeadline * static_cast<double>(budget_ns)));
+  const std::int64_t time_ns = update_time_ns(message);
+  const CpuDeadline deadline(time_ns);
   const FilterStep step = message.slot == kNoSlot ? stage_.process(message.step)
                                                   : stage_.process(pipeline_.pool.at(message.slot), message.step,
                                                                    pipeline_.lossless ? Deadline{} : deadline.view());
@@ -57,7 +59,7 @@ void FilterLoop::process(const MotionMessage& message) {
   const std::int64_t used_ns = timer_.end(report_.stage);
   report_.with_matcher.record(used_ns + message.matcher_cpu_ns);
   if (step.updated && !pipeline_.lossless) {
-    adapt(used_ns, budget_ns);
+    adapt(used_ns, time_ns);
   }
   report(step);
   pipeline_.filter.heartbeat.fetch_add(1, std::memory_order_relaxed);
@@ -76,17 +78,21 @@ void FilterLoop::obey(const FilterCommand& command) {
   }
 }
 
-std::int64_t FilterLoop::budget_ns(const MotionMessage& message) const {
-  const std::int64_t left_ns = std::max<std::int64_t>(0, params_.scan_budget_ns - message.matcher_cpu_ns);
-  return std::min(params_.filter_budget_ns, left_ns);
+std::int64_t FilterLoop::update_time_ns(const MotionMessage& message) const {
+  const double own_ns = kDeadline * static_cast<double>(params_.filter_budget_ns);
+  const double left_ns =
+      kScanDeadline * static_cast<double>(params_.scan_budget_ns) - static_cast<double>(message.matcher_cpu_ns);
+  return static_cast<std::int64_t>(std::clamp(left_ns, 0.0, own_ns));
 }
 
 // An update's time is nearly all the particles'. Slowly up, at once down.
-void FilterLoop::adapt(std::int64_t used_ns, std::int64_t budget_ns) {
-  constexpr double kAim = 0.4;      // of the budget: one update may take much longer than the one before
-  constexpr double kGrowth = 1.05;  // at most, from one update to the next
-  const double wanted =
-      particles_ * std::min(kGrowth, kAim * static_cast<double>(budget_ns) / static_cast<double>(used_ns));
+void FilterLoop::adapt(std::int64_t used_ns, std::int64_t time_ns) {
+  constexpr double kAim = 0.4;          // of the budget: one update may take much longer than the one before
+  constexpr double kAimWithLess = 0.8;  // where matches leave less
+  constexpr double kGrowth = 1.05;      // at most, from one update to the next
+  const double aim_ns =
+      std::min(kAim * static_cast<double>(params_.filter_budget_ns), kAimWithLess * static_cast<double>(time_ns));
+  const double wanted = particles_ * std::min(kGrowth, aim_ns / static_cast<double>(used_ns));
   particles_ = std::clamp<double>(wanted, particles_min_, stage_.filter().params().low.particles);
   stage_.set_particles(static_cast<int>(particles_));
 }

@@ -32,9 +32,9 @@ class FilterLoop {
   void process(const MotionMessage& message);
   void obey(const FilterCommand& command);
   void publish(const FilterStep& step, const OdometryStep& motion);
-  /// CPU time for this update.
-  [[nodiscard]] std::int64_t budget_ns(const MotionMessage& message) const;
-  void adapt(std::int64_t used_ns, std::int64_t budget_ns);
+  /// CPU time until an update after this match is cut short.
+  [[nodiscard]] std::int64_t update_time_ns(const MotionMessage& message) const;
+  void adapt(std::int64_t used_ns, std::int64_t time_ns);
   void report(const FilterStep& step);
 
   Pipeline& pipeline_;
