@@ -1,5 +1,6 @@
 """What tests of the daemon share: the daemon, emulated devices and `odoless ctl`, as on a robot."""
 
+import bisect
 import json
 import math
 import os
@@ -30,6 +31,21 @@ def poses(path):
     with open(path, encoding="utf-8") as file:
         rows = [list(map(float, line.split())) for line in file if not line.startswith("#")]
     return {round(row[0] * 1e6): (row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows}
+
+
+def yaw_errors_deg(truth, estimate):
+    """Of each pose against the truth at its stamp, between two true ones. Both begin with the same heading: where a robot turns
+    on the spot, an alignment by its positions would turn them as it likes."""
+    stamps_us = sorted(truth)
+    errors_deg = []
+    for stamp_us, (_, _, yaw_rad) in sorted(estimate.items()):
+        after = bisect.bisect(stamps_us, stamp_us)
+        if 0 < after < len(stamps_us):
+            before_us, after_us = stamps_us[after - 1], stamps_us[after]
+            turn_rad = math.remainder(truth[after_us][2] - truth[before_us][2], 2.0 * math.pi)
+            true_rad = truth[before_us][2] + turn_rad * (stamp_us - before_us) / (after_us - before_us)
+            errors_deg.append(math.degrees(math.remainder(yaw_rad - true_rad, 2.0 * math.pi)))
+    return errors_deg
 
 
 class DaemonCase(unittest.TestCase):
