@@ -115,6 +115,25 @@ TEST(Cia402Session, GivesAHomingUpThatNeverEnds) {
   EXPECT_TRUE(bench.heard().has(TiltEventType::kLost, Errc::kHomingFailed));
 }
 
+TEST(Cia402Session, TimeForWhichAHomingIsStoppedCountsNot) {
+  TiltParams params = can_params();
+  params.homing_method = 17;
+  params.homing_timeout_ns = 4 * kServoSecond;
+  Cia402DeviceOptions options;
+  options.home_rad = -0.2;  // 2.3 s from where it starts
+  ServoBench bench(params, drive(options));
+  bench.reset();
+  bench.run(kServoSecond);
+  ASSERT_EQ(bench.session().state(), TiltState::kHoming);
+  bench.command(TiltCommand::kStop);
+  bench.run(10 * kServoSecond);
+  EXPECT_EQ(bench.session().state(), TiltState::kHoming);
+  EXPECT_EQ(bench.servo().velocity_radps(), 0.0);
+  bench.command(TiltCommand::kLevel);
+  EXPECT_GT(bench.run_until(TiltState::kLevel, 6 * kServoSecond), 0);
+  EXPECT_EQ(bench.heard().count(TiltEventType::kLost), 0) << "nothing has failed";
+}
+
 TEST(Cia402Session, RefusesANodeThatIsNoDrive) {
   ServoBench bench(can_params());
   bench.to_session = [](std::vector<ServoFrame>& frames) {

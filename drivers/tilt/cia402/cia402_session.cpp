@@ -253,7 +253,9 @@ void Cia402Session::advance(std::int64_t now_ns, TiltSink& sink) {
     if (homing == HomingState::kAttained) {
       homed_ = true;
       enter(Phase::kProfileMode, now_ns);
-    } else if (motion_.command() != TiltCommand::kStop && (homing == HomingState::kFailed || now_ns >= phase_end_ns_)) {
+    } else if (motion_.command() == TiltCommand::kStop) {
+      phase_end_ns_ = now_ns + params_.homing_timeout_ns;  // counts from when it may move
+    } else if (homing == HomingState::kFailed || now_ns >= phase_end_ns_) {
       counters_.tell_device_error(drive_.status_word(), sink);
       give_up(Errc::kHomingFailed, now_ns, sink);
     }
