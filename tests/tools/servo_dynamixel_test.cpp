@@ -50,6 +50,28 @@ TEST(DynamixelSession, ComesUpWhateverItsLevelOfAnswersAndWithEchoes) {
   }
 }
 
+TEST(DynamixelSession, AStopHoldsJustOutsideALimit) {
+  TiltParams params = serial_params();
+  params.limit_max_rad = 0.0;  // the level pose is at the limit
+  DynamixelDeviceOptions options;
+  options.start_rad = -0.2;
+  options.sag_counts = 2.0;
+  ServoBench bench(params, std::make_unique<DynamixelDevice>(options, 1000 * kServoSecond));
+  bench.reset();
+  ASSERT_GT(bench.run_until(TiltState::kLevel, 3 * kServoSecond), 0);
+  bench.run(kServoSecond);
+  const double resting_rad = bench.angle_rad();
+  ASSERT_GT(resting_rad, params.limit_max_rad);
+  bench.command(TiltCommand::kStop);
+  bench.run(2 * kServoSecond);
+  EXPECT_EQ(bench.session().state(), TiltState::kStopped);
+  EXPECT_EQ(bench.heard().events.size(), 1U) << "it is ready, and nothing is wrong";
+  EXPECT_NEAR(bench.angle_rad(), resting_rad, 0.005);
+  const auto& device = bench.servo_as<DynamixelDevice>();
+  EXPECT_EQ(device.get(dynamixel::kGoalPosition, 4), device.get(dynamixel::kPositionMax, 4));
+  EXPECT_EQ(device.get(dynamixel::kProfile + 4, 4), 44U) << "it may move, and does so as ever";
+}
+
 TEST(DynamixelSession, AnEchoThatIsNotWhatWasSentIsToldAndTheAngleStaysRight) {
   DynamixelDeviceOptions options;
   options.echoes = true;

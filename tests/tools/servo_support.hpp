@@ -52,6 +52,11 @@ inline TiltParams servo_params(TiltDriver driver) {
   return params;
 }
 
+/// An emulated servo's axis.
+struct ServoAxis {
+  double start_rad = 0.2;
+};
+
 /// A session and an emulated servo on a line without delay, in made-up time.
 class ServoBench {
  public:
@@ -60,16 +65,19 @@ class ServoBench {
   ServoBench(const TiltParams& params, std::unique_ptr<EmulatedServo> servo)
       : params_(params), servo_(std::move(servo)), session_(make_tilt_session(params)) {}
 
-  static std::unique_ptr<EmulatedServo> make_servo(const TiltParams& params, std::vector<Fault> faults) {
+  static std::unique_ptr<EmulatedServo> make_servo(const TiltParams& params, std::vector<Fault> faults,
+                                                   const ServoAxis& axis = {}) {
     if (params.driver == TiltDriver::kCia402) {
       Cia402DeviceOptions options;
       options.node = params.id;
       options.counts_per_turn = params.counts_per_turn;
+      options.start_rad = axis.start_rad;
       options.faults = std::move(faults);
       return std::make_unique<Cia402Device>(options, kStartNs);
     }
     DynamixelDeviceOptions options;
     options.id = params.id;
+    options.start_rad = axis.start_rad;
     options.faults = std::move(faults);
     return std::make_unique<DynamixelDevice>(options, kStartNs);
   }

@@ -184,7 +184,7 @@ void DynamixelDevice::on_written(std::uint16_t first, std::uint16_t count) {
     const double speed_counts_per_s = get(dynamixel::kProfile + 4, 4) * dynamixel::kSpeedUnitRadps * kCountsPerRad;
     motor_.set_profile(speed_counts_per_s == 0.0 ? kFastCounts : speed_counts_per_s,
                        slope_counts_per_s2 == 0.0 ? kFastSlope : slope_counts_per_s2);
-    motor_.go_to(static_cast<std::int32_t>(get(dynamixel::kGoalPosition, 4)));
+    motor_.go_to(static_cast<std::int32_t>(get(dynamixel::kGoalPosition, 4)) + options_.sag_counts);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 namespace odoless {
@@ -38,7 +39,10 @@ DynamixelSession::DynamixelSession(const TiltParams& params)
       scale_(params, dynamixel::kCountsPerTurn, dynamixel::kCentreCounts),
       motion_(params),
       gate_(2.0 * params.speed_radps + 2.0),
-      fault_pause_ns_(kPauseNs) {}
+      fault_pause_ns_(kPauseNs) {
+  std::tie(low_counts_, high_counts_) = std::minmax({clamp_position(scale_.position_counts(params.limit_min_rad)),
+                                                     clamp_position(scale_.position_counts(params.limit_max_rad))});
+}
 
 void DynamixelSession::reset(std::int64_t now_ns) {
   counters_.restarts += was_reset_ ? 1 : 0;
@@ -55,7 +59,7 @@ void DynamixelSession::command(TiltCommand command, std::int64_t now_ns) {
 }
 
 std::int32_t DynamixelSession::wished_counts() const {
-  return clamp_position(scale_.position_counts(motion_.target_rad()));
+  return std::clamp(scale_.position_counts(motion_.target_rad()), low_counts_, high_counts_);
 }
 
 bool DynamixelSession::goal_is_due() const {
@@ -92,13 +96,14 @@ void DynamixelSession::write(std::uint16_t address, std::span<const std::uint32_
 }
 
 // The profile goes with every goal, so that it holds whatever happened to the servo between. A stop has none: as fast
-// as the servo can, to where it is.
+// as the servo can, to where it is. A servo takes no goal outside its limits: one that is there goes to the nearest.
 void DynamixelSession::write_goal(bool is_stop, std::int64_t now_ns) {
   goal_is_stop_ = is_stop;
-  goal_counts_ = is_stop ? clamp_position(position_counts_) : wished_counts();
+  goal_counts_ = is_stop ? std::clamp(position_counts_, low_counts_, high_counts_) : wished_counts();
+  const bool at_once = is_stop && goal_counts_ == position_counts_;
   const std::array<std::uint32_t, 3> values{
-      goal_is_stop_ ? 0 : profile_units(params_.acceleration_radps2, dynamixel::kAccelerationUnitRadps2),
-      goal_is_stop_ ? 0 : profile_units(params_.speed_radps, dynamixel::kSpeedUnitRadps),
+      at_once ? 0 : profile_units(params_.acceleration_radps2, dynamixel::kAccelerationUnitRadps2),
+      at_once ? 0 : profile_units(params_.speed_radps, dynamixel::kSpeedUnitRadps),
       static_cast<std::uint32_t>(*goal_counts_)};
   write(dynamixel::kProfile, values, 4, now_ns);
 }
@@ -164,8 +169,6 @@ void DynamixelSession::next_setting(std::int64_t now_ns) {
                                    256U * (have(static_cast<std::uint16_t>(address + 2)) +
                                            256U * have(static_cast<std::uint16_t>(address + 3))));
   };
-  const auto [low, high] = std::minmax({clamp_position(scale_.position_counts(params_.limit_min_rad)),
-                                        clamp_position(scale_.position_counts(params_.limit_max_rad))});
   if (step_ == Step::kReturnDelay) {
     const std::uint32_t mode_bits = have(dynamixel::kDriveMode) & ~std::uint32_t{dynamixel::kTimeBasedProfile};
     if (have(dynamixel::kReturnDelay) != 0 || have(dynamixel::kDriveMode) != mode_bits) {
@@ -181,7 +184,8 @@ void DynamixelSession::next_setting(std::int64_t now_ns) {
     }
     step_ = Step::kLimits;
   }
-  const std::array<std::uint32_t, 2> limits{static_cast<std::uint32_t>(high), static_cast<std::uint32_t>(low)};
+  const std::array<std::uint32_t, 2> limits{static_cast<std::uint32_t>(high_counts_),
+                                            static_cast<std::uint32_t>(low_counts_)};
   if (have4(dynamixel::kPositionMax) != limits[0] || have4(dynamixel::kPositionMin) != limits[1]) {
     return write(dynamixel::kPositionMax, limits, 4, now_ns);
   }

@@ -19,7 +19,7 @@ namespace odoless {
 ///   1. ping; all instructions are to be answered;
 ///   2. a hardware error is told, and cleared by a reboot;
 ///   3. what is kept in the servo (return delay, mode, limits) is written only where it differs: that memory wears out;
-///   4. goal = where it is, torque on, its own watchdog of the bus on;
+///   4. goal = where it is, or the limit next to it, torque on, its own watchdog of the bus on;
 ///   5. one read of clock, speed and position per sample_period_ns; goals, and a look at its health, between them.
 ///
 /// A servo that doesn't answer three times, or whose clock starts anew, goes back to 1; one that stalls is stopped
@@ -87,6 +87,8 @@ class DynamixelSession final : public TiltSession {
 
   TiltParams params_;
   TiltScale scale_;
+  std::int32_t low_counts_ = 0;  ///< its limits
+  std::int32_t high_counts_ = 0;
   TiltMotion motion_;
   AngleGate gate_;
   dynamixel::PacketReader reader_;
