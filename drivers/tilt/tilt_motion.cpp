@@ -11,6 +11,17 @@ namespace {
 constexpr double kMovedRad = 0.0035;  ///< less may be noise of the encoder
 constexpr double kLegSlack = 2.0;     ///< times as long as its speed allows, and ...
 constexpr double kLegSlackS = 1.0;    ///< ... this on top, is too long
+constexpr int kReactionSamples = 3;   ///< until a command is on its way, obeyed and seen to be
+
+/// How long an axis that does as it is told may stay within m = kMovedRad of where it was last seen to have moved. One
+/// that turns round there first brakes within m, from at most sqrt(2 m a) in at most sqrt(2 m / a), and then goes back
+/// across 2 m, from rest to rest at worst: on ramps alone in 2 sqrt(2 m / a), or, where it comes to its speed v, in
+/// 2 m / v + v / a, with v / a at most sqrt(2 m / a).
+std::int64_t longest_still_ns(const TiltParams& params) {
+  const double ramps_s = 3.0 * std::sqrt(2.0 * kMovedRad / params.acceleration_radps2);
+  const double way_s = 2.0 * kMovedRad / params.speed_radps;
+  return std::llround((ramps_s + way_s) * 1e9) + kReactionSamples * params.sample_period_ns;
+}
 
 }  // namespace
 
@@ -18,6 +29,7 @@ TiltMotion::TiltMotion(const TiltParams& params)
     : params_(params),
       end_rad_{std::clamp(params.sweep_from_rad, params.limit_min_rad, params.limit_max_rad),
                std::clamp(params.sweep_to_rad, params.limit_min_rad, params.limit_max_rad)},
+      stall_timeout_ns_(std::max(params.stall_timeout_ns, longest_still_ns(params))),
       command_(params.at_start) {}
 
 void TiltMotion::start_leg(std::int64_t now_ns) {
@@ -63,7 +75,7 @@ bool TiltMotion::is_stalled(std::int64_t now_ns) const {
   if (command_ == TiltCommand::kStop || !has_angle_ || is_there()) {
     return false;
   }
-  return now_ns - moved_ns_ >= params_.stall_timeout_ns || now_ns >= leg_end_ns_;
+  return now_ns - moved_ns_ >= stall_timeout_ns_ || now_ns >= leg_end_ns_;
 }
 
 TiltState TiltMotion::state() const {

@@ -26,7 +26,8 @@ class TiltMotion {
   /// Angle to go to, within the limits; of no meaning for TiltCommand::kStop.
   [[nodiscard]] double target_rad() const;
 
-  /// Whether the servo should move and has not for stall_timeout_ns, or takes much longer than its speed allows.
+  /// Whether the servo should move and has not for stall_timeout_ns, or longer where its speed and acceleration take
+  /// it, or takes much longer to arrive than they allow.
   [[nodiscard]] bool is_stalled(std::int64_t now_ns) const;
 
   /// What the servo does, as far as the last angle tells: kMoving, kLevel, kSweeping or kStopped.
@@ -38,6 +39,7 @@ class TiltMotion {
 
   TiltParams params_;
   double end_rad_[2];  ///< of the sweep
+  std::int64_t stall_timeout_ns_;
   TiltCommand command_;
   int heading_for_ = 1;  ///< which end
   bool has_angle_ = false;

@@ -94,7 +94,8 @@ struct TiltParams {
     visit.value("reply_timeout_ns", self.reply_timeout_ns, Range<std::int64_t>{5'000'000, 2'000'000'000},
                 "Time for an answer of the servo.");
     visit.value("stall_timeout_ns", self.stall_timeout_ns, Range<std::int64_t>{30'000'000, 10'000'000'000},
-                "Time without movement, where there should be some, after which the servo is stopped.");
+                "Time without movement, where there should be some, after which the servo is stopped; a low speed or "
+                "acceleration makes it longer.");
   }
 
   template <class Self, class Visitor>

@@ -37,6 +37,43 @@ TEST_P(TiltAxis, AnAxisThatRestsOutsideTheLimitsComesUpAndGoesInside) {
   }
 }
 
+// The slowest that the configuration takes, and some between these and the default.
+TEST_P(TiltAxis, SlowOrGentleMotionIsNoStallAndARealOneIsToldAllTheSame) {
+  struct Motion {
+    double speed_radps;
+    double acceleration_radps2;
+    double end_rad;
+  };
+  const TiltParams usual = params();
+  for (const Motion& motion : {Motion{0.01, usual.acceleration_radps2, 0.03}, Motion{0.01, 0.1, 0.03},
+                               Motion{0.0357, usual.acceleration_radps2, 0.1}, Motion{usual.speed_radps, 0.1, 0.3},
+                               Motion{20.0, 0.1, 0.3}, Motion{usual.speed_radps, 0.56, 0.3},
+                               Motion{usual.speed_radps, 1.5, 0.3}, Motion{usual.speed_radps, 3.0, 0.3}}) {
+    SCOPED_TRACE(testing::Message() << motion.speed_radps << " rad/s, " << motion.acceleration_radps2 << " rad/s2");
+    TiltParams slow = params(TiltCommand::kSweep);
+    slow.speed_radps = motion.speed_radps;
+    slow.acceleration_radps2 = motion.acceleration_radps2;
+    slow.sweep_from_rad = -motion.end_rad;
+    slow.sweep_to_rad = motion.end_rad;
+    ServoBench bench(slow, ServoBench::make_servo(slow, {parse_fault("stall@30")}, {.start_rad = 0.0}));
+    bench.reset();
+    bench.run(29'900 * kServoMs);
+    double low_rad = 0.0;
+    double high_rad = 0.0;
+    for (const TiltSample& sample : bench.heard().samples) {
+      low_rad = std::min(low_rad, sample.angle_rad);
+      high_rad = std::max(high_rad, sample.angle_rad);
+    }
+    EXPECT_LT(low_rad, 0.01 - motion.end_rad) << "it has been at both ends";
+    EXPECT_GT(high_rad, motion.end_rad - 0.01);
+    EXPECT_EQ(bench.session().counters().stalls, 0U);
+    EXPECT_EQ(bench.heard().count(TiltEventType::kLost), 0);
+    bench.run(100 * kServoMs);
+    EXPECT_GE(bench.run_until(TiltState::kFault, 1600 * kServoMs), 0);
+    EXPECT_EQ(bench.session().counters().stalls, 1U);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Both, TiltAxis, ::testing::Values(TiltDriver::kCia402, TiltDriver::kDynamixel),
                          [](const auto& tested) {
                            return std::string(kTiltDriverNames[static_cast<std::size_t>(tested.param)]);
