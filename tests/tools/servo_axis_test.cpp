@@ -13,6 +13,8 @@ using test::kServoMs;
 using test::kServoSecond;
 using test::ServoBench;
 
+constexpr double kResolutionRad = 0.0016;  ///< 4096 steps per turn
+
 class TiltAxis : public ::testing::TestWithParam<TiltDriver> {
  protected:
   [[nodiscard]] static TiltParams params(TiltCommand at_start = TiltCommand::kLevel) {
@@ -34,6 +36,30 @@ TEST_P(TiltAxis, AnAxisThatRestsOutsideTheLimitsComesUpAndGoesInside) {
     stopped.run(kServoSecond);
     EXPECT_EQ(stopped.session().state(), TiltState::kStopped);
     EXPECT_EQ(stopped.heard().events.size(), 1U);
+  }
+}
+
+TEST_P(TiltAxis, TheAxisSinksNotWhileTheLineIsLostAndComesBack) {
+  for (const TiltCommand command : {TiltCommand::kStop, TiltCommand::kLevel}) {
+    for (const std::int64_t lost_ms : {200, 500, 1500, 4000}) {
+      SCOPED_TRACE(testing::Message() << kTiltCommandNames[static_cast<std::size_t>(command)] << ", " << lost_ms);
+      ServoBench bench(params(), ServoBench::make_servo(params(), {}, {.droop_radps = 1.0}));
+      bench.reset();
+      ASSERT_GT(bench.run_until(TiltState::kLevel, 5 * kServoSecond), 0);
+      bench.run(kServoSecond);
+      bench.command(command);
+      bench.run(kServoSecond);
+      const TiltState held = bench.session().state();
+      const std::size_t first = bench.truth().size();
+      bench.to_session = bench.to_servo = [](std::vector<ServoFrame>& frames) { frames.clear(); };
+      bench.run(lost_ms * kServoMs);
+      bench.to_session = bench.to_servo = [](std::vector<ServoFrame>&) {};
+      bench.run(3 * kServoSecond);
+      EXPECT_EQ(bench.session().state(), held);
+      for (std::size_t i = first; i < bench.truth().size(); ++i) {
+        ASSERT_NEAR(bench.truth()[i].angle_rad, 0.0, kResolutionRad);
+      }
+    }
   }
 }
 

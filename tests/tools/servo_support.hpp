@@ -55,6 +55,7 @@ inline TiltParams servo_params(TiltDriver driver) {
 /// An emulated servo's axis.
 struct ServoAxis {
   double start_rad = 0.2;
+  double droop_radps = 0.0;  ///< without torque
 };
 
 /// A session and an emulated servo on a line without delay, in made-up time.
@@ -72,12 +73,14 @@ class ServoBench {
       options.node = params.id;
       options.counts_per_turn = params.counts_per_turn;
       options.start_rad = axis.start_rad;
+      options.droop_radps = axis.droop_radps;
       options.faults = std::move(faults);
       return std::make_unique<Cia402Device>(options, kStartNs);
     }
     DynamixelDeviceOptions options;
     options.id = params.id;
     options.start_rad = axis.start_rad;
+    options.droop_radps = axis.droop_radps;
     options.faults = std::move(faults);
     return std::make_unique<DynamixelDevice>(options, kStartNs);
   }

@@ -50,9 +50,13 @@ Cia402Device::Cia402Device(Cia402DeviceOptions options, std::int64_t now_ns)
     : options_(std::move(options)),
       time_(options_.faults, now_ns),
       dictionary_(options_.node),
-      motor_(options_.start_rad * options_.counts_per_turn / (2.0 * std::numbers::pi)),
+      motor_(counts(options_.start_rad)),
       last_tick_ns_(now_ns) {
   boot(now_ns);
+}
+
+double Cia402Device::counts(double angle_rad) const {
+  return angle_rad * options_.counts_per_turn / (2.0 * std::numbers::pi);
 }
 
 double Cia402Device::angle_rad() const {
@@ -81,6 +85,8 @@ void Cia402Device::send(const CanFrame& frame) {
 }
 
 std::vector<ServoFrame> Cia402Device::take_output() { return std::exchange(output_, {}); }
+
+bool Cia402Device::has_torque() const { return power_ == PowerState::kEnabled || power_ == PowerState::kQuickStop; }
 
 bool Cia402Device::is_silent(std::int64_t now_ns) const {
   return now_ns < silent_until_ns_ || time_.fault(FaultKind::kSilence, now_ns) != nullptr;
@@ -216,8 +222,8 @@ void Cia402Device::switch_power(std::uint16_t control_word) {
   } else if (before == PowerState::kSwitchedOn || before == PowerState::kEnabled) {
     power_ = (control_word & 0x08U) != 0 ? PowerState::kEnabled : PowerState::kSwitchedOn;
   }
-  if (power_ != PowerState::kEnabled && power_ != PowerState::kQuickStop) {
-    motor_.halt();  // its brake holds it
+  if (!has_torque()) {
+    motor_.halt();
   }
   if (power_ != PowerState::kEnabled) {
     acknowledges_ = homes_ = false;
@@ -231,7 +237,7 @@ void Cia402Device::on_set_point_bit(bool rises, std::uint16_t control_word) {
     acknowledges_ = acknowledges_ && !rises;
     if (rises) {
       motor_.set_profile(slope(0x6099), slope(0x609A));
-      motor_.go_to(options_.home_rad * options_.counts_per_turn / (2.0 * std::numbers::pi));
+      motor_.go_to(counts(options_.home_rad));
     }
     return;
   }
@@ -316,6 +322,9 @@ void Cia402Device::tick(std::int64_t now_ns) {
   now_s_ += elapsed_s;
   follow_faults(now_ns);
   motor_.advance(elapsed_s);
+  if (!has_torque() && options_.droop_radps != 0.0) {
+    motor_.push(counts(options_.droop_radps) * elapsed_s);
+  }
   follow_motion();
   const double period_s = dictionary_.get({0x1017, 0}) * 1e-3;
   if (period_s > 0.0 && now_s_ >= next_heartbeat_s_ && !is_silent(now_ns)) {

@@ -14,6 +14,7 @@ struct Cia402DeviceOptions {
   int node = 1;
   double counts_per_turn = 65'536.0;
   double start_rad = 0.2;
+  double droop_radps = 0.0;   ///< how fast it sinks without torque; 0: it has a brake
   double home_rad = 0.0;      ///< where homing finds the zero; by another zero than this before
   bool resumes_stop = true;   ///< has the way back from a quick stop (transition 16)
   std::vector<Fault> faults;  ///< silence, wrong-sum (frames too short), reboot, drift, stall, error (EMCY code)
@@ -53,8 +54,10 @@ class Cia402Device final : public EmulatedServo {
   void follow_faults(std::int64_t now_ns);
   void follow_motion();
   void refresh();
+  [[nodiscard]] bool has_torque() const;
   [[nodiscard]] bool is_silent(std::int64_t now_ns) const;
   [[nodiscard]] std::uint16_t status_word() const;
+  [[nodiscard]] double counts(double angle_rad) const;
   [[nodiscard]] double slope(std::uint16_t index) const;
 
   Cia402DeviceOptions options_;

@@ -234,6 +234,9 @@ void DynamixelDevice::tick(std::int64_t now_ns) {
   follow_faults(now_ns);
   follow_watchdog();
   motor_.advance(elapsed_s);
+  if (!has_torque() && options_.droop_radps != 0.0) {
+    motor_.push(options_.droop_radps * kCountsPerRad * elapsed_s);
+  }
   while (!answers_.empty() && answers_.front().due_ns <= now_ns) {
     if (!is_silent(now_ns)) {
       output_.push_back(std::move(answers_.front().bytes));

@@ -13,6 +13,7 @@ struct DynamixelDeviceOptions {
   int id = 1;
   double start_rad = 0.2;    ///< from its centre
   double sag_counts = 0.0;   ///< rests that far from its goal, as under a load
+  double droop_radps = 0.0;  ///< how fast it sinks without torque
   bool echoes = false;       ///< the adapter sends back what it was sent, as half-duplex ones do
   std::uint8_t answers = 2;  ///< its status return level at power-up
   std::uint8_t mode = 1;     ///< operating mode at power-up: 1 velocity, 3 position

@@ -33,6 +33,11 @@ void ServoMotor::halt() {
   stopping_ = false;
 }
 
+void ServoMotor::push(double way_counts) {
+  position_counts_ += way_counts;
+  halt();
+}
+
 void ServoMotor::rename(double position_counts) {
   position_counts_ = position_counts;
   halt();

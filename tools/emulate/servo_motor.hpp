@@ -12,8 +12,10 @@ class ServoMotor {
   void go_to(double target_counts);
   /// Slows down with that slope and then stays.
   void stop(double slope_counts_per_s2);
-  /// Stands at once and stays, as one that is jammed or has lost its power with its brake on.
+  /// Stands at once and stays, as one that is jammed or has lost its power.
   void halt();
+  /// Moved from outside, without power.
+  void push(double way_counts);
   /// The same place is called otherwise from now on.
   void rename(double position_counts);
   void set_jammed(bool jammed) { jammed_ = jammed; }

@@ -22,7 +22,7 @@ Drive::Output Drive::next(Goal goal, std::int32_t target_counts) {
 
 std::uint16_t Drive::control(Goal goal) {
   if (!power_) {
-    return kDisableVoltage;
+    return kQuickStopControl;  // holds a drive that is enabled, and enables none
   }
   if (goal == Goal::kStop || goal == Goal::kWait) {
     waiting_cycles_ = 0;

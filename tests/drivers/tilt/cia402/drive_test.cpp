@@ -106,6 +106,14 @@ TEST(Drive, StopsADriveFromEveryStateAndEnablesNone) {
   }
 }
 
+// It may hold the axis up, enabled and in a quick stop.
+TEST(Drive, TakesNoTorqueFromADriveThatHasNotToldItsState) {
+  Drive drive;
+  for (const Drive::Goal goal : {Drive::Goal::kStop, Drive::Goal::kWait, Drive::Goal::kMove, Drive::Goal::kHome}) {
+    EXPECT_EQ(drive.next(goal, 0).control_word, kQuickStopControl);
+  }
+}
+
 TEST(Drive, ShowsANewTargetUntilItIsTaken) {
   Drive drive;
   const std::uint16_t enabled = status_word(PowerState::kEnabled);
