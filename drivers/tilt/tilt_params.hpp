@@ -107,8 +107,10 @@ struct TiltParams {
                 "cia402: position units in a full turn of the laser, gears included.");
     visit.value("speed_units_per_count", self.speed_units_per_count, Range{1e-6, 1e6},
                 "cia402: the drive's units of speed for one position unit per second; of acceleration likewise.");
-    visit.value("homing_method", self.homing_method, Range{-128, 127},
-                "cia402: method by which the drive finds its zero after power-up (6098h); 0: none is needed.");
+    visit.value(
+        "homing_method", self.homing_method, Range{-128, 127},
+        "cia402: method by which the drive finds its zero, once after each of its power-ups (6098h); 0: none is "
+        "needed.");
     visit.value("homing_speed_radps", self.homing_speed_radps, Range{0.001, 10.0}, "cia402: speed of homing.");
     visit.value("homing_timeout_ns", self.homing_timeout_ns, Range<std::int64_t>{100'000'000, 600'000'000'000},
                 "cia402: longest homing.");

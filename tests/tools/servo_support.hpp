@@ -86,6 +86,8 @@ class ServoBench {
   }
 
   void reset() { session_->reset(now_ns_); }
+  /// As a daemon does that is started anew.
+  void restart_session() { session_ = make_tilt_session(params_); }
   void command(TiltCommand command) { session_->command(command, now_ns_); }
 
   /// Lets that time pass, a quarter of a millisecond at a time.

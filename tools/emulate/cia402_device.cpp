@@ -52,7 +52,7 @@ Cia402Device::Cia402Device(Cia402DeviceOptions options, std::int64_t now_ns)
       dictionary_(options_.node),
       motor_(counts(options_.start_rad)),
       last_tick_ns_(now_ns) {
-  boot(now_ns);
+  reset_communication(now_ns);
 }
 
 double Cia402Device::counts(double angle_rad) const {
@@ -63,20 +63,38 @@ double Cia402Device::angle_rad() const {
   return motor_.position_counts() * 2.0 * std::numbers::pi / options_.counts_per_turn;
 }
 
+double Cia402Device::axis_rad() const {
+  return (motor_.position_counts() + zero_counts_) * 2.0 * std::numbers::pi / options_.counts_per_turn;
+}
+
 double Cia402Device::velocity_radps() const {
   return motor_.velocity_counts_per_s() * 2.0 * std::numbers::pi / options_.counts_per_turn;
 }
 
-void Cia402Device::boot(std::int64_t now_ns) {
+void Cia402Device::power_up(std::int64_t now_ns) {
   dictionary_ = ObjectDictionary(options_.node);
   motor_.halt();
   power_ = PowerState::kSwitchOnDisabled;
   control_word_ = 0;
   acknowledges_ = homes_ = false;
+  if (!options_.keeps_zero) {
+    set_zero_here();
+  }
+  reset_communication(now_ns);
+}
+
+// Zero, power stage and all that is of the drive's profile stay (CiA 301, 7.3.2.2.1).
+void Cia402Device::reset_communication(std::int64_t now_ns) {
+  dictionary_.reset_communication();
   master_heard_s_ = -1.0;
   node_state_ = NodeState::kPreOperational;
   last_tick_ns_ = now_ns;
   send(canopen::heartbeat(options_.node, NodeState::kBootUp));
+}
+
+void Cia402Device::set_zero_here() {
+  zero_counts_ += motor_.position_counts();
+  motor_.rename(0.0);
 }
 
 void Cia402Device::send(const CanFrame& frame) {
@@ -148,8 +166,10 @@ void Cia402Device::on_nmt(const CanFrame& frame, std::int64_t now_ns) {
       node_state_ = NodeState::kPreOperational;
       return;
     case NmtCommand::kResetNode:
+      power_up(now_ns);
+      return;
     case NmtCommand::kResetCommunication:
-      boot(now_ns);
+      reset_communication(now_ns);
       return;
   }
 }
@@ -236,8 +256,10 @@ void Cia402Device::on_set_point_bit(bool rises, std::uint16_t control_word) {
     homes_ = rises;
     acknowledges_ = acknowledges_ && !rises;
     if (rises) {
+      const std::int32_t method = dictionary_.get_signed({0x6098, 0});
+      const bool homes_here = method == 35 || method == 37;
       motor_.set_profile(slope(0x6099), slope(0x609A));
-      motor_.go_to(counts(options_.home_rad));
+      motor_.go_to(homes_here ? motor_.position_counts() : counts(options_.home_rad) - zero_counts_);
     }
     return;
   }
@@ -291,13 +313,13 @@ void Cia402Device::follow_faults(std::int64_t now_ns) {
   }
   was_rebooted_ = reboot != nullptr;
   if (node_state_ == NodeState::kBootUp && now_ns >= silent_until_ns_) {
-    boot(now_ns);
+    power_up(now_ns);
   }
 }
 
 void Cia402Device::follow_motion() {
   if (homes_ && !acknowledges_ && motor_.is_there()) {
-    motor_.rename(0.0);
+    set_zero_here();
     acknowledges_ = true;
   }
   const bool stays = dictionary_.get({0x605A, 0}) >= 5;

@@ -15,7 +15,8 @@ struct Cia402DeviceOptions {
   double counts_per_turn = 65'536.0;
   double start_rad = 0.2;
   double droop_radps = 0.0;   ///< how fast it sinks without torque; 0: it has a brake
-  double home_rad = 0.0;      ///< where homing finds the zero; by another zero than this before
+  bool keeps_zero = true;     ///< without power, as an absolute encoder does; else zero is where it is at power-up
+  double home_rad = 0.0;      ///< where homing finds the zero; by the zero at first
   bool resumes_stop = true;   ///< has the way back from a quick stop (transition 16)
   std::vector<Fault> faults;  ///< silence, wrong-sum (frames too short), reboot, drift, stall, error (EMCY code)
 };
@@ -32,13 +33,17 @@ class Cia402Device final : public EmulatedServo {
   [[nodiscard]] std::vector<ServoFrame> take_output() override;
   [[nodiscard]] double angle_rad() const override;
   [[nodiscard]] double velocity_radps() const override;
+  /// Where the axis truly is, by the zero at first.
+  [[nodiscard]] double axis_rad() const;
 
   [[nodiscard]] cia402::PowerState power() const { return power_; }
   [[nodiscard]] canopen::NodeState node_state() const { return node_state_; }
   [[nodiscard]] const ObjectDictionary& dictionary() const { return dictionary_; }
 
  private:
-  void boot(std::int64_t now_ns);
+  void power_up(std::int64_t now_ns);
+  void reset_communication(std::int64_t now_ns);
+  void set_zero_here();
   void send(const CanFrame& frame);
   void on_nmt(const CanFrame& frame, std::int64_t now_ns);
   void on_sync();
@@ -64,6 +69,7 @@ class Cia402Device final : public EmulatedServo {
   ServoTime time_;
   ObjectDictionary dictionary_;
   ServoMotor motor_;
+  double zero_counts_ = 0.0;  ///< where the zero is, by that at first
   std::vector<ServoFrame> output_;
   canopen::NodeState node_state_ = canopen::NodeState::kBootUp;
   cia402::PowerState power_ = cia402::PowerState::kSwitchOnDisabled;

@@ -64,6 +64,7 @@ constexpr std::array kRows{
     Row{{0x6099, 1}, 1'000, 4, kWrite},
     Row{{0x6099, 2}, 100, 4, kWrite},
     Row{{0x609A, 0}, 10'000, 4, kWrite},
+    Row{{0x60FF, 0}, 0, 4, kWrite},
 };
 
 }  // namespace
@@ -76,6 +77,14 @@ ObjectDictionary::ObjectDictionary(int node) : node_(node) {
     add_pdo(static_cast<std::uint16_t>(0x1400U + pdo), 0x200U + 0x100U * pdo);
     add_pdo(static_cast<std::uint16_t>(0x1800U + pdo), 0x180U + 0x100U * pdo);
     add({static_cast<std::uint16_t>(0x1800U + pdo), 5}, 0, 2, Access::kReadWrite);  // event timer: of sent ones alone
+  }
+}
+
+void ObjectDictionary::reset_communication() {
+  for (const auto& [at, entry] : ObjectDictionary(node_).entries_) {
+    if (at < key({0x2000, 0})) {
+      entries_[at] = entry;
+    }
   }
 }
 

@@ -16,6 +16,8 @@ class ObjectDictionary {
   /// A 402 drive's, as it is after power-up.
   explicit ObjectDictionary(int node);
 
+  /// What a reset of the communication does: its part (1000h to 1FFFh) is as after power-up.
+  void reset_communication();
   void add(canopen::Object object, std::uint32_t value, int size_bytes, Access access);
   [[nodiscard]] std::uint32_t get(canopen::Object object) const;
   [[nodiscard]] std::int32_t get_signed(canopen::Object object) const;

@@ -83,7 +83,6 @@ void Cia402Session::on_heartbeat(const CanFrame& frame, std::int64_t now_ns, Til
   }
   heard_heartbeat_ns_ = now_ns;
   if (state.value() == NodeState::kBootUp) {
-    homed_ = false;
     if (phase_ == Phase::kFind || phase_ == Phase::kPause) {
       enter(Phase::kFind, now_ns);
     } else {
@@ -115,7 +114,7 @@ void Cia402Session::on_status(const CanFrame& frame, std::int64_t arrival_ns, Ti
   unanswered_syncs_ = 0;
   drive_.on_status({.status_word = status_word, .mode = static_cast<std::int8_t>(frame.data[6])});
   if (phase_ == Phase::kStart) {
-    enter(params_.homing_method != 0 && !homed_ ? Phase::kHomingMode : Phase::kRun, arrival_ns);
+    enter(homed_ ? Phase::kRun : Phase::kHomingMode, arrival_ns);
   }
   if (phase_ == Phase::kRun) {
     pass_on(scale_.angle_rad(static_cast<std::int32_t>(canopen::get(frame, 2, 4))), arrival_ns, sink);

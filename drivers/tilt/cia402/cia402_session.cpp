@@ -94,6 +94,9 @@ void Cia402Session::enter(Phase phase, std::int64_t now_ns) {
       setting_ = 0;
       next_setting(now_ns);
       break;
+    case Phase::kReadMark:
+      sdo_.read(cia402::kZeroMark, now_ns);
+      break;
     case Phase::kStart:
       send(canopen::nmt(NmtCommand::kStart, params_.id));
       next_sync_ns_ = now_ns;
@@ -108,6 +111,9 @@ void Cia402Session::enter(Phase phase, std::int64_t now_ns) {
     case Phase::kProfileMode:
       gate_.restart();
       sdo_.write(cia402::kModeOfOperation, cia402::kProfilePosition, 1, now_ns);
+      break;
+    case Phase::kWriteMark:
+      sdo_.write(cia402::kZeroMark, cia402::zero_mark(params_.homing_method), 4, now_ns);
       break;
     case Phase::kRun:
       not_enabled_since_ns_ = now_ns;
@@ -138,7 +144,8 @@ void Cia402Session::give_up(Errc reason, std::int64_t now_ns, TiltSink& sink) {
 void Cia402Session::next_setting(std::int64_t now_ns) {
   const auto settings = set_up_.settings();
   if (setting_ == settings.size()) {
-    enter(Phase::kStart, now_ns);
+    homed_ = params_.homing_method == 0;
+    enter(homed_ ? Phase::kStart : Phase::kReadMark, now_ns);
     return;
   }
   const cia402::Setting& setting = settings[setting_];
@@ -154,6 +161,15 @@ void Cia402Session::on_found(std::int64_t now_ns, TiltSink& sink) {
   }
 }
 
+// Whether the drive may go on although it has refused what it was asked. One without the mark's object finds its zero
+// at each bring-up, which must not be wherever it just is.
+bool Cia402Session::tolerates() const {
+  if (phase_ == Phase::kReadMark || phase_ == Phase::kWriteMark) {
+    return !cia402::homes_here(params_.homing_method);
+  }
+  return phase_ == Phase::kSetUp && cia402::SetUp::tolerates(set_up_.settings()[setting_], sdo_.value());
+}
+
 void Cia402Session::on_sdo(SdoClient::Outcome outcome, std::int64_t now_ns, TiltSink& sink) {
   const bool aborted = outcome == SdoClient::Outcome::kAborted;
   counters_.timeouts += outcome == SdoClient::Outcome::kTimedOut ? 1 : 0;
@@ -165,9 +181,7 @@ void Cia402Session::on_sdo(SdoClient::Outcome outcome, std::int64_t now_ns, Tilt
     counters_.tell_device_error(outcome == SdoClient::Outcome::kDone ? sdo_.value() : -1, sink);
     return;
   }
-  const bool tolerated =
-      aborted && phase_ == Phase::kSetUp && cia402::SetUp::tolerates(set_up_.settings()[setting_], sdo_.value());
-  if (outcome != SdoClient::Outcome::kDone && !tolerated) {
+  if (outcome != SdoClient::Outcome::kDone && !(aborted && tolerates())) {
     if (aborted) {
       counters_.tell_device_error(sdo_.value(), sink);
     }
@@ -179,9 +193,14 @@ void Cia402Session::on_sdo(SdoClient::Outcome outcome, std::int64_t now_ns, Tilt
   } else if (phase_ == Phase::kSetUp) {
     ++setting_;
     next_setting(now_ns);
+  } else if (phase_ == Phase::kReadMark) {
+    homed_ = !aborted && sdo_.value() == cia402::zero_mark(params_.homing_method);
+    enter(Phase::kStart, now_ns);
   } else if (phase_ == Phase::kHomingMode) {
     enter(Phase::kHoming, now_ns);
   } else if (phase_ == Phase::kProfileMode) {
+    enter(Phase::kWriteMark, now_ns);
+  } else if (phase_ == Phase::kWriteMark) {
     enter(Phase::kRun, now_ns);
   }
   send_sdo();
@@ -251,7 +270,6 @@ void Cia402Session::advance(std::int64_t now_ns, TiltSink& sink) {
   } else if (phase_ == Phase::kHoming) {
     const HomingState homing = drive_.homing();
     if (homing == HomingState::kAttained) {
-      homed_ = true;
       enter(Phase::kProfileMode, now_ns);
     } else if (motion_.command() == TiltCommand::kStop) {
       phase_end_ns_ = now_ns + params_.homing_timeout_ns;  // counts from when it may move
@@ -305,7 +323,7 @@ TiltState Cia402Session::state() const {
   if (in_fault_ || (drive_.has_fault() && is_cyclic())) {
     return TiltState::kFault;
   }
-  if (phase_ == Phase::kHomingMode || phase_ == Phase::kHoming) {
+  if (phase_ >= Phase::kHomingMode && phase_ <= Phase::kWriteMark) {
     return TiltState::kHoming;
   }
   return phase_ == Phase::kRun && ready_ ? motion_.state() : TiltState::kBringUp;

@@ -17,9 +17,9 @@ namespace odoless {
 /// A CANopen drive in profile position mode (CiA 301, CiA 402-2):
 ///
 ///   1. pre-operational, and asked whether it is a drive (1000h);
-///   2. set up by SDO (SetUp);
+///   2. set up by SDO (SetUp), and asked whether it has found its zero since its power-up (zero_mark), where it is to;
 ///   3. started; from now on a command and a SYNC per sample_period_ns, which both its PDOs answer;
-///   4. after power-up, where wished for: homing;
+///   4. where it has not: homing, after which the drive gets the mark;
 ///   5. switched on, and on its way.
 ///
 /// A drive that stays silent, starts anew, leaves the operational state or cannot be switched on goes back to 1; one
@@ -39,7 +39,18 @@ class Cia402Session final : public TiltSession {
   [[nodiscard]] const TiltCounters& counters() const override { return counters_; }
 
  private:
-  enum class Phase : std::uint8_t { kFind, kSetUp, kStart, kHomingMode, kHoming, kProfileMode, kRun, kPause };
+  enum class Phase : std::uint8_t {
+    kFind,
+    kSetUp,
+    kReadMark,
+    kStart,
+    kHomingMode,
+    kHoming,
+    kProfileMode,
+    kWriteMark,
+    kRun,
+    kPause,
+  };
 
   void send(const CanFrame& frame);
   void send_sdo();
@@ -51,6 +62,7 @@ class Cia402Session final : public TiltSession {
   void on_heartbeat(const CanFrame& frame, std::int64_t now_ns, TiltSink& sink);
   void on_sdo(canopen::SdoClient::Outcome outcome, std::int64_t now_ns, TiltSink& sink);
   void on_found(std::int64_t now_ns, TiltSink& sink);
+  [[nodiscard]] bool tolerates() const;
   void next_setting(std::int64_t now_ns);
   void on_status(const CanFrame& frame, std::int64_t arrival_ns, TiltSink& sink);
   void on_velocity(const CanFrame& frame, TiltSink& sink);
@@ -78,8 +90,8 @@ class Cia402Session final : public TiltSession {
   std::int64_t phase_end_ns_ = 0;
   bool was_reset_ = false;
   bool silence_told_ = false;
-  int failures_ = 0;  ///< bring-ups in a row
-  bool homed_ = false;
+  int failures_ = 0;    ///< bring-ups in a row
+  bool homed_ = false;  ///< as the drive's mark tells
   bool ready_ = false;  ///< switched on once since the bring-up, or stopped as wished
   bool was_enabled_ = false;
   bool had_fault_ = false;

@@ -18,6 +18,19 @@ inline constexpr canopen::Object kModeOfOperation{0x6060, 0};
 inline constexpr std::uint32_t kProfilePosition = 1;
 inline constexpr std::uint32_t kHoming = 6;
 
+/// Where the drive keeps the mark that it has found its zero: the target of another mode (profile velocity), which
+/// means nothing in those used here. As a drive's zero, it is lost with its power, and by nothing else that this driver
+/// does.
+inline constexpr canopen::Object kZeroMark{0x60FF, 0};
+
+/// The mark: not 0, slow should it ever be taken for a speed, and another one for each method.
+[[nodiscard]] constexpr std::uint32_t zero_mark(int homing_method) {
+  return 0x100U | (static_cast<std::uint32_t>(homing_method) & 0xFFU);
+}
+
+/// Methods that take wherever the axis is for its zero (35 is the older number).
+[[nodiscard]] constexpr bool homes_here(int homing_method) { return homing_method == 35 || homing_method == 37; }
+
 /// One write to the drive's dictionary.
 struct Setting {
   canopen::Object object;
