@@ -8,6 +8,8 @@
 #include <sys/sysmacros.h>
 
 #include <cerrno>
+#include <cstdint>
+#include <cstdlib>
 #include <optional>
 
 namespace odoless {
@@ -81,7 +83,14 @@ Errc set_serial_baud(int descriptor, int baud) {
     return Errc::kBaudRefused;
   }
   set_rate(settings, baud);
-  return ::ioctl(descriptor, TCSETS2, &settings) == 0 ? Errc::kOk : Errc::kBaudRefused;
+  // A driver that cannot have a rate takes another one, or keeps the old one, and calls that a success.
+  const bool is_set = ::ioctl(descriptor, TCSETS2, &settings) == 0 && baud_fits(baud, serial_baud(descriptor));
+  return is_set ? Errc::kOk : Errc::kBaudRefused;
+}
+
+bool baud_fits(int wanted_baud, int had_baud) {
+  const std::int64_t off_baud = std::abs(std::int64_t{had_baud} - wanted_baud);
+  return 100 * off_baud < std::int64_t{3} * wanted_baud;
 }
 
 int serial_baud(int descriptor) {

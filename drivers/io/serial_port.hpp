@@ -20,8 +20,12 @@ struct SerialParams {
 /// Thread: an ordinary one; it makes system calls and may wait for the device.
 [[nodiscard]] Result<FileDescriptor> open_serial(const SerialParams& params);
 
-/// Changes the rate of an open line. Errors: Errc::kBaudRefused. Real time: one system call, no allocation.
+/// Changes the rate of an open line. Errors: Errc::kBaudRefused: the line has none, or cannot have that one, and then
+/// has whichever its driver chose. Real time: three system calls, no allocation.
 [[nodiscard]] Errc set_serial_baud(int descriptor, int baud);
+
+/// Whether two ends of a line at these rates understand each other: their bits run less than 3 % apart.
+[[nodiscard]] bool baud_fits(int wanted_baud, int had_baud);
 
 /// The rate of an open line; 0: it has none. Real time: one system call, no allocation.
 [[nodiscard]] int serial_baud(int descriptor);

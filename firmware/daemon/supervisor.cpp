@@ -96,6 +96,11 @@ int Supervisor::open_laser() {
     return EX_OK;
   }
   const std::string& device = options_.params.lrf.device;
+  if (laser_error_ == Errc::kBaudRefused) {
+    log_line(EventPriority::kError, fmt::format("{}: {}: {} baud (lrf.baud); another rate or adapter is needed", device,
+                                                describe(laser_error_), options_.params.lrf.baud));
+    return EX_CONFIG;
+  }
   if (laser_error_ != Errc::kDeviceMissing) {
     log_line(EventPriority::kError, fmt::format("{}: {} (lrf.device)", device, describe(laser_error_)));
     return laser_error_ == Errc::kDeviceDenied ? EX_NOPERM

@@ -86,6 +86,19 @@ TEST(SerialPort, TakesAnyRate) {
   EXPECT_EQ(set_serial_baud(-1, 9600), Errc::kBaudRefused);
 }
 
+// What real drivers answer where they cannot have a rate: a nearer one, 9600, or the one before.
+TEST(SerialPort, TellsARateThatTheHardwareRoundsFromOneThatItCannotHave) {
+  EXPECT_TRUE(baud_fits(500000, 500000));
+  EXPECT_TRUE(baud_fits(256000, 255319)) << "48 MHz by 188";
+  EXPECT_TRUE(baud_fits(115200, 118000));
+  EXPECT_TRUE(baud_fits(4'000'000, 3'900'000));
+  EXPECT_FALSE(baud_fits(115200, 111700));
+  EXPECT_FALSE(baud_fits(500000, 460800));
+  EXPECT_FALSE(baud_fits(500000, 115200));
+  EXPECT_FALSE(baud_fits(500000, 9600));
+  EXPECT_FALSE(baud_fits(500000, 0));
+}
+
 TEST(SerialPort, IsForOneProcessAlone) {
   const Terminal terminal;
   Result<FileDescriptor> opened = open_serial({.path = terminal.path});
