@@ -144,6 +144,34 @@ TEST(ScipSession, SetsTheLineRateThatIsWished) {
   EXPECT_EQ(bench.session().line_baud(), 115200);
 }
 
+// Of a URG on RS-232, a scan takes longer than ten turns at its own rate, or seven with intensities at 57600 baud.
+TEST(ScipSession, HearsEveryScanThatASlowLineCarries) {
+  struct Slow {
+    int baud;
+    LrfReading reading;
+    std::int64_t scan_ns;
+  };
+  for (const Slow& slow :
+       {Slow{19200, LrfReading::kRange, 1113 * kMs}, Slow{57600, LrfReading::kRangeIntensity, 737 * kMs}}) {
+    SCOPED_TRACE(slow.baud);
+    LrfParams params;
+    params.baud = slow.baud;
+    params.reading = slow.reading;
+    Bench bench{"urg-04lx", {.faults = {}, .rs232_baud = slow.baud}, params};
+    bench.reset();
+    bench.run(15 * kSecond);
+    EXPECT_TRUE(bench.session().ready());
+    EXPECT_EQ(bench.session().counters().restarts, 0U);
+    EXPECT_EQ(bench.heard().count(LrfEventType::kLost), 0);
+    EXPECT_NEAR(static_cast<double>(bench.session().geometry().period_ns), static_cast<double>(slow.scan_ns),
+                2.0 * kMs);
+    // It measures the next scan as soon as the line is free, at most a turn after the one before has left.
+    EXPECT_GE(static_cast<std::int64_t>(bench.heard().scans.size()), 14 * kSecond / (slow.scan_ns + 100 * kMs) - 1);
+    EXPECT_EQ(bench.heard().scans.size(), bench.sent().size());
+    expect_scans_true(bench, 3 * kMs);
+  }
+}
+
 TEST(ScipSession, HuntsForTheRateOfASilentDevice) {
   LrfParams params;
   params.baud = 115200;

@@ -30,6 +30,7 @@ struct EmulatedLrfOptions {
   bool starts_at_once = false;         ///< the source's time starts at construction, not with the first stream
   std::uint32_t counter_start_ms = 0;  ///< of the device's clock at construction, where it has one
   std::uint64_t seed = 1;              ///< of what garbage is made of
+  int rs232_baud = 0;                  ///< SCIP: it is on RS-232, at this rate at first; 0: on a line without one
 };
 
 /// A laser without a line: bytes and the host's time come in, bytes go out.

@@ -21,6 +21,8 @@ ScipDevice::ScipDevice(const ScipModel& model, ScanSource& source, EmulatedLrfOp
       model_(model),
       beams_(model.beam_list()),
       ranges_m_(beams_.size()),
+      is_on_rs232_(options.rs232_baud != 0),
+      baud_(is_on_rs232_ ? options.rs232_baud : 19200),
       clock_host_ns_(now_ns),
       clock_device_ns_(options.counter_start_ms * 1e6) {
   reset_state(true);
@@ -37,6 +39,7 @@ void ScipDevice::reset_state(bool is_power_up) {
   laser_on_ = false;
   in_time_mode_ = false;
   stream_.reset();
+  line_free_ns_ = 0;
   line_.clear();
 }
 
@@ -51,12 +54,24 @@ void ScipDevice::set_drift(double drift_ppm, std::int64_t now_ns) {
   drift_ppm_ = drift_ppm;
 }
 
-std::int64_t ScipDevice::due_ns(std::int64_t index) const {
+std::int64_t ScipDevice::measured_ns(std::int64_t index) const {
   return origin_ns() + source().start_ns(index) + model_.time_to_step_ns(model_.last_step);
 }
 
+std::int64_t ScipDevice::transfer_ns() const {
+  if (!is_on_rs232_ || !stream_) {
+    return 0;
+  }
+  const int beams = (stream_->last_step - stream_->first_step + stream_->cluster) / stream_->cluster;
+  const int characters = beams * (stream_->reading == 'S' ? 2 : stream_->reading == 'E' ? 6 : 3);
+  const std::int64_t bytes = 27 + characters + 2 * ((characters + 63) / 64);  // echo, status, stamp; sums, line ends
+  return bytes * 10 * 1'000'000'000 / baud_;
+}
+
+std::int64_t ScipDevice::due_ns(std::int64_t index) const { return measured_ns(index) + transfer_ns(); }
+
 void ScipDevice::on_due(std::int64_t index) {
-  if (stream_) {
+  if (stream_ && measured_ns(index) >= line_free_ns_) {
     send_scan(index);
   }
 }
@@ -67,9 +82,10 @@ void ScipDevice::send_scan(std::int64_t index) {
     return;
   }
   skipped_ = 0;
+  line_free_ns_ = due_ns(index);
   left_ -= stream_->count > 0 ? 1 : 0;
   const std::int64_t now_ns = due_ns(index);
-  const std::int64_t start_ns = now_ns - model_.time_to_step_ns(model_.last_step);
+  const std::int64_t start_ns = measured_ns(index) - model_.time_to_step_ns(model_.last_step);
   send_piece(frame(*stream_, stream_->echo(left_) + '\n' + scip::summed("99"), index),
              SentScan{index, start_ns + model_.time_to_step_ns(model_.first_step)}, now_ns);
   if (stream_->count > 0 && left_ == 0) {
@@ -91,7 +107,7 @@ std::uint32_t ScipDevice::value_mm(std::size_t first_beam, std::size_t count) co
 std::string ScipDevice::frame(const scip::ScanRequest& request, std::string_view head, std::int64_t index) {
   constexpr std::uint32_t kIntensity = 1000;
   measure(index, beams_, ranges_m_, due_ns(index));
-  const std::int64_t start_ns = due_ns(index) - model_.time_to_step_ns(model_.last_step);
+  const std::int64_t start_ns = measured_ns(index) - model_.time_to_step_ns(model_.last_step);
   const int characters = request.reading == 'S' ? 2 : 3;
   int last_step = request.last_step;
   if (fault(FaultKind::kBeams, due_ns(index))) {

@@ -24,6 +24,7 @@ class ScipDevice final : public EmulatedLrf {
   void on_due(std::int64_t index) override;
   void restart(std::int64_t now_ns) override;
   void set_drift(double drift_ppm, std::int64_t now_ns) override;
+  [[nodiscard]] int baud() const override { return is_on_rs232_ ? baud_ : 0; }
 
   void execute(const std::string& line, std::int64_t now_ns);
   [[nodiscard]] std::string reply_to(const std::string& line, std::int64_t now_ns);
@@ -33,6 +34,9 @@ class ScipDevice final : public EmulatedLrf {
   [[nodiscard]] std::string parameters() const;
   [[nodiscard]] std::string state(std::int64_t now_ns) const;
   [[nodiscard]] std::string scan_reply(const std::string& line, std::int64_t now_ns);
+  /// When the last beam is measured; the line has yet to carry the scan.
+  [[nodiscard]] std::int64_t measured_ns(std::int64_t index) const;
+  [[nodiscard]] std::int64_t transfer_ns() const;
   [[nodiscard]] std::string frame(const scip::ScanRequest& request, std::string_view head, std::int64_t index);
   [[nodiscard]] std::uint32_t value_mm(std::size_t first_beam, std::size_t count) const;
 
@@ -52,7 +56,9 @@ class ScipDevice final : public EmulatedLrf {
   bool in_scip1_ = false;
   bool laser_on_ = false;
   bool in_time_mode_ = false;
-  int baud_ = 19200;
+  bool is_on_rs232_;
+  int baud_;
+  std::int64_t line_free_ns_ = 0;  ///< a scan that is measured before is left out
 
   std::int64_t clock_host_ns_;    ///< the device's clock was set or changed its pace then ...
   double clock_device_ns_ = 0.0;  ///< ... and showed this

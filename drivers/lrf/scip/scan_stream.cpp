@@ -57,6 +57,13 @@ Errc ScanStream::configure(const Parameters& device, int line_baud) {
   if (beams > static_cast<int>(ranges_m_.size())) {
     return Errc::kTooManyBeams;
   }
+  const bool is_short = params_.reading == LrfReading::kShortRange;
+  format_ = {.echo = {},
+             .characters_per_value = is_short ? 2 : 3,
+             .values_per_beam = params_.reading == LrfReading::kRangeIntensity ? 2 : 1,
+             .beams = beams};
+  const std::int64_t way_ns = transfer_ns(format_, line_baud);
+  const std::int64_t mirror_ns = (params_.skip + 1) * turn_ns(device);
   const double step_rad = 2.0 * std::numbers::pi / device.steps_per_turn;
   const double first_step = device.first_step + (params_.cluster - 1) / 2.0 - device.front_step;
   geometry_ = {.beams = beams,
@@ -64,19 +71,15 @@ Errc ScanStream::configure(const Parameters& device, int line_baud) {
                .angle_step_rad = to_float_precision(params_.cluster * step_rad),
                .range_min_m = device.range_min_mm * 1e-3,
                .range_max_m = device.range_max_mm * 1e-3,
-               .period_ns = (params_.skip + 1) * turn_ns(device)};
-  const bool is_short = params_.reading == LrfReading::kShortRange;
+               .period_ns = std::max(mirror_ns, way_ns)};  // of a slow line, the device leaves scans out
   range_min_mm_ = static_cast<std::uint32_t>(device.range_min_mm);
   range_far_mm_ = std::min(static_cast<std::uint32_t>(device.range_max_mm), is_short ? 4095U : ~0U);
   far_code_ = device.is_urg ? 0 : 1;
   write_request(device);
-  format_ = {.echo = echo(),
-             .characters_per_value = is_short ? 2 : 3,
-             .values_per_beam = params_.reading == LrfReading::kRangeIntensity ? 2 : 1,
-             .beams = beams};
+  format_.echo = echo();
   beam_period_ns_ = params_.cluster * turn_ns(device) / device.steps_per_turn;
   first_beam_delay_ns_ = time_to_step_ns(device, device.first_step) / 1000 * 1000;
-  clock_.start(geometry_.period_ns, time_to_step_ns(device, device.last_step) + transfer_ns(format_, line_baud));
+  clock_.start(mirror_ns, time_to_step_ns(device, device.last_step) + way_ns);
   identical_run_ = 0;
   return Errc::kOk;
 }

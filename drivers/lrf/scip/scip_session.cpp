@@ -49,7 +49,9 @@ void ScipSession::receive(std::span<const std::byte> bytes, std::int64_t arrival
         break;
       case scip::ReplyReader::Outcome::kCut:
         ++counts().resyncs;
-        reject(Errc::kFrameTruncated, sink);
+        if (ready()) {  // before, it is a rest of what ran, or the bring-up asks again
+          reject(Errc::kFrameTruncated, sink);
+        }
         break;
     }
   }
