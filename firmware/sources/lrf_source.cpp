@@ -4,11 +4,39 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <utility>
 
 #include "drivers/io/serial_port.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
 
 namespace odoless {
+namespace {
+
+// Kinds of what is told that no reason of a session is.
+constexpr Errc kStreams = Errc::kOk;
+constexpr Errc kLineGone = Errc::kDeviceMissing;
+constexpr Errc kReopened = Errc::kUnavailable;
+constexpr Errc kNotWritten = Errc::kDeviceFailed;
+
+/// Why a laser that answers is not used.
+EventText refusal(Errc reason) {
+  switch (reason) {
+    case Errc::kTooManyBeams:
+      return "laser: refused: its scans have more beams than scan.beams_max, which must be larger";
+    case Errc::kBadGeometry:
+      return "laser: refused: the angles, ranges or speed that it says it has cannot be";
+    case Errc::kFrameMalformed:
+      return "laser: refused: it answers what its protocol does not know (lrf.driver; of an RPLIDAR lrf.rplidar_scan)";
+    case Errc::kFrameTruncated:
+      return "laser: refused: what it says of itself is incomplete";
+    case Errc::kWrongSum:
+      return "laser: refused: a check sum of what it says of itself does not match";
+    default:
+      return "laser: refused while it is brought up (reason {})";
+  }
+}
+
+}  // namespace
 
 LrfSource::LrfSource(const LrfParams& params, int beams_max, LineHandover& line)
     : params_(params), session_(make_lrf_session(params, beams_max)), line_(line) {}
@@ -20,15 +48,15 @@ void LrfSource::attach(GpioSignals& signals, std::optional<std::int64_t> sync_de
   }
 }
 
-std::int64_t LrfSource::next_deadline_ns() const {
-  return is_open() ? std::min(session_->next_deadline_ns(), last_scan_or_open_ns_ + kReopen_ns) : kNever_ns;
-}
+std::int64_t LrfSource::next_deadline_ns() const { return is_open() ? session_->next_deadline_ns() : kNever_ns; }
 
 void LrfSource::take_line(std::int64_t now_ns) {
   descriptor_ = line_.offered.exchange(-1, std::memory_order_acq_rel);
   if (is_open()) {
     ++opened_;
     baud_ = params_.baud;
+    has_rate_ = serial_baud(descriptor_) != 0;
+    is_lost_ = false;
     last_scan_or_open_ns_ = now_ns;
     session_->reset(now_ns);
   }
@@ -46,16 +74,21 @@ void LrfSource::work(std::int64_t now_ns, ScanSink& sink) {
     take_line(now_ns);
   }
   if (is_open() && !read_all(now_ns)) {
-    sink.on_event(EventPriority::kWarning, "laser: its line is gone (errno {}); it is opened again when it is back",
-                  errno);
+    tell_once(kLineGone, EventPriority::kWarning,
+              "laser: its line is gone (errno {}); it is opened again when it is back", errno);
     return_line();
   }
   if (is_open()) {
+    const bool wait_is_over = now_ns >= session_->next_deadline_ns();
     session_->tick(now_ns, *this);
+    set_rate();
     write_all();
-  }
-  if (is_open() && now_ns - last_scan_or_open_ns_ >= kReopen_ns) {
-    return_line();
+    if (wait_is_over && is_lost_ && now_ns - last_scan_or_open_ns_ >= kReopen_ns) {
+      tell_once(kReopened, EventPriority::kWarning,
+                "laser: no scan for {} ms: its line is closed and opened again, until scans come",
+                (now_ns - last_scan_or_open_ns_) / 1'000'000);
+      return_line();
+    }
   }
   sink_ = nullptr;
 }
@@ -77,21 +110,42 @@ bool LrfSource::read_all(std::int64_t now_ns) {
   return true;
 }
 
-void LrfSource::write_all() {
-  if (const int wanted = session_->line_baud(); wanted != 0 && wanted != baud_) {
-    write_errors_ += set_serial_baud(descriptor_, wanted) == Errc::kOk ? 0 : 1;
-    baud_ = wanted;
+void LrfSource::set_rate() {
+  const int wanted = session_->line_baud();
+  if (wanted == 0 || wanted == baud_ || !has_rate_) {
+    return;
   }
+  baud_ = wanted;
+  if (set_serial_baud(descriptor_, wanted) != Errc::kOk) {
+    tell_once(Errc::kBaudRefused, EventPriority::kWarning,
+              "laser: its line cannot have {} baud, one of the rates at which the laser is looked for", wanted);
+  }
+}
+
+void LrfSource::write_all() {
   const std::span<const std::byte> bytes = session_->transmit();
-  if (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-    write_errors_ += written == static_cast<ssize_t>(bytes.size()) ? 0 : 1;  // the session asks again
-    sink_->on_raw(RawLine::kLaser, bytes, true);
+  if (bytes.empty()) {
+    return;
+  }
+  errno = 0;  // fewer bytes: the line is full
+  if (::write(descriptor_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) {
+    tell_once(kNotWritten, EventPriority::kWarning, "laser: its line does not take what is written (errno {})", errno);
+  }
+  sink_->on_raw(RawLine::kLaser, bytes, true);
+}
+
+void LrfSource::tell_once(Errc kind, EventPriority priority, EventText text, std::int64_t number) {
+  if (const auto bit = static_cast<std::size_t>(kind); !told_[bit]) {
+    told_[bit] = true;
+    sink_->on_event(priority, text, number);
   }
 }
 
 void LrfSource::on_scan(const LrfScan& scan) {
   last_scan_or_open_ns_ = scan.arrival_ns;
+  is_lost_ = false;
+  told_.reset();
+  told_device_status_.reset();
   RawScan raw;
   raw.stamp_ns = synchronized_ns(scan.stamp_ns);
   raw.start_angle_rad = scan.start_angle_rad;
@@ -120,20 +174,30 @@ std::int64_t LrfSource::synchronized_ns(std::int64_t stamp_ns) {
 void LrfSource::on_event(const LrfEvent& event) {
   switch (event.type) {
     case LrfEventType::kReady:
-      return sink_->on_event(EventPriority::kInfo, "laser: streaming, {} beams", session_->geometry().beams);
+      return tell_once(kStreams, EventPriority::kInfo, "laser: streaming, {} beams", session_->geometry().beams);
     case LrfEventType::kDeviceError:
-      return sink_->on_event(EventPriority::kError, "laser: it reports an error, status {}", event.device_status);
+      if (std::exchange(told_device_status_, event.device_status) != event.device_status) {
+        sink_->on_event(EventPriority::kError, "laser: it reports an error, status {}", event.device_status);
+      }
+      return;
     case LrfEventType::kLost:
-      return sink_->on_event(EventPriority::kWarning, "laser: silent or its stream ended; it is brought up again{}", 0);
-    case LrfEventType::kResync:
+      is_lost_ = true;
+      return tell_once(Errc::kDeviceSilent, EventPriority::kWarning,
+                       "laser: silent or its stream ended; it is brought up again");
     case LrfEventType::kRejected:
+      if (!session_->ready()) {
+        ++refused_;
+        tell_once(event.reason, EventPriority::kError, refusal(event.reason), static_cast<std::int64_t>(event.reason));
+      }
+      return;  // of a stream: counted by the session
+    case LrfEventType::kResync:
       return;  // counted
   }
 }
 
 void LrfSource::add_counts(SourceHealth& health) const {
   const LrfCounters& counters = session_->counters();
-  health.rejected += static_cast<std::int64_t>(counters.rejected);
+  health.rejected += static_cast<std::int64_t>(counters.rejected) + refused_;
   health.resyncs += static_cast<std::int64_t>(counters.resyncs);
   health.reconnects += std::max<std::int64_t>(opened_ - 1, 0);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -16,6 +17,10 @@
 namespace odoless {
 
 /// A laser range finder on its line: serial, TCP or USB.
+///
+/// A line on which the session has lost the laser is given back, to be opened anew, when no scan has come for 2 s, but
+/// only where the session has just waited long enough: what a slow laser is at is never cut off. Of an outage, which
+/// ends with the next scan, each thing is told once.
 ///
 /// Thread: sensor thread. Real time: system calls read, write, and ioctl where the rate of the line changes.
 class LrfSource final : public ScanSource, private LrfSink {
@@ -39,12 +44,16 @@ class LrfSource final : public ScanSource, private LrfSink {
   void return_line();
   /// False when the line is gone.
   [[nodiscard]] bool read_all(std::int64_t now_ns);
+  void set_rate();
   void write_all();
+  /// Tells of an outage; each `kind` once.
+  void tell_once(Errc kind, EventPriority priority, EventText text, std::int64_t number = 0);
   [[nodiscard]] std::int64_t synchronized_ns(std::int64_t stamp_ns);
 
   static constexpr int kReadsPerRound = 16;
   static constexpr std::int64_t kSyncMissing = 20;           ///< scans without a pulse that are told of
   static constexpr std::int64_t kReopen_ns = 2'000'000'000;  ///< without a scan: perhaps opening anew helps
+  static constexpr std::size_t kKinds = 64;                  ///< more than Errc has
 
   LrfParams params_;
   std::unique_ptr<LrfSession> session_;
@@ -52,8 +61,12 @@ class LrfSource final : public ScanSource, private LrfSink {
   int descriptor_ = -1;
   int baud_ = 0;
   std::int64_t last_scan_or_open_ns_ = 0;
+  bool is_lost_ = false;      ///< the session has said so since the line was opened or a scan came
+  bool has_rate_ = false;     ///< of the line
+  std::bitset<kKinds> told_;  ///< since the last scan, by kind
+  std::optional<int> told_device_status_;
   std::int64_t opened_ = 0;
-  std::int64_t write_errors_ = 0;
+  std::int64_t refused_ = 0;  ///< times that the laser was refused while it was brought up
   GpioSignals* signals_ = nullptr;
   std::optional<SyncClock> sync_;
   ScanSink* sink_ = nullptr;  ///< during `work`
