@@ -42,6 +42,10 @@ struct DaemonParams {
     return tilt.driver != TiltDriver::kNone && mapping.enabled ? std::optional(mapping) : std::nullopt;
   }
 
+  /// Values that are in range and don't go together, for a person: keys, what is wrong, what would be right. Empty:
+  /// none.
+  [[nodiscard]] std::string contradiction() const;
+
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.group("lrf", self.lrf, "The laser range finder.");

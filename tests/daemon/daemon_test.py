@@ -265,6 +265,11 @@ class DaemonTest(DaemonCase):
         outcome = run("odolessd", "--config", wrong, "--check")
         self.assertEqual(outcome.returncode, EX_CONFIG)
         self.assertIn("pipeline.scan_queue", outcome.stderr)
+        many = self.write_config("many.toml", lrf='driver = "rplidar"\nrplidar_beams = 3600\n')
+        outcome = run("odolessd", "--config", many, "--check")
+        self.assertEqual(outcome.returncode, EX_CONFIG)
+        for said in (many, "lrf.rplidar_beams = 3600", "scan.beams_max = 2048"):
+            self.assertIn(said, outcome.stderr)
         self.assertEqual(run("odolessd", "--config", self.config, "--check").returncode, 0)
         self.assertEqual(run("odolessd", "--stages", "matcher").returncode, EX_USAGE)
         self.assertEqual(run("odolessd", "--config", os.path.join(SOURCES, "config", "robot.toml"), "--check").returncode, 0)

@@ -65,10 +65,17 @@ StageSet stages_of(const std::string& text) {
   return *stages;
 }
 
+void load(const std::string& config, DaemonParams& params) {
+  load_parameters(config, params);
+  if (const std::string wrong = params.contradiction(); !wrong.empty()) {
+    throw ConfigError({config + ": " + wrong});
+  }
+}
+
 DaemonOptions options_of(const Arguments& arguments) {
   DaemonOptions options;
   if (!arguments.config.empty()) {
-    load_parameters(arguments.config, options.params);
+    load(arguments.config, options.params);
   }
   options.stages = stages_of(arguments.stages);
   options.seed = arguments.seed;
@@ -79,7 +86,7 @@ DaemonOptions options_of(const Arguments& arguments) {
   options.reload = [config = arguments.config](DaemonParams& params) -> std::string {
     try {
       params = {};
-      load_parameters(config, params);
+      load(config, params);
       return "";
     } catch (const std::exception& error) {
       return error.what();
