@@ -83,8 +83,9 @@ struct LrfParams {
                  "How an RPLIDAR sends: standard, or express with more points and check sums.");
     visit.value("rplidar_beams", self.rplidar_beams, Range{90, 3600},
                 "Evenly spaced beams that a turn of an RPLIDAR is given as.");
-    visit.value("rplidar_pwm", self.rplidar_pwm, Range{0, 1023},
-                "Duty of an RPLIDAR's motor, for models that take it as a command (A2, A3: 660); 0: not sent.");
+    visit.value(
+        "rplidar_pwm", self.rplidar_pwm, Range{0, 1023},
+        "Duty of an RPLIDAR's motor, for models that take it as a command; 0: what the model needs (A2, A3: 660).");
     visit.value("reply_timeout_ns", self.reply_timeout_ns, Range<std::int64_t>{10'000'000, 10'000'000'000},
                 "Time for an answer while the laser is brought up.");
     visit.value("stall_timeout_ns", self.stall_timeout_ns, Range<std::int64_t>{50'000'000, 60'000'000'000},

@@ -78,13 +78,14 @@ TEST(RplidarSession, BringsEveryModelUpAndHearsItsTurns) {
 }
 
 TEST(RplidarSession, ComesToTheStreamFromEveryState) {
+  const std::string motor = "\xA5\xF0\x02\x94\x02\xC1";
   const std::string scan = "\xA5\x20";
   const std::string express("\xA5\x82\x05\0\0\0\0\0\x22", 9);
   for (const std::string& before : {std::string(), scan, express, std::string("\xA5\x21"), std::string("\xA5\x50"),
                                     std::string("\xA5"), std::string("\xA5\xF0\x02"), std::string("\xA5\x40")}) {
     for (const RplidarScan wished : {RplidarScan::kStandard, RplidarScan::kExpress}) {
       Bench bench("rplidar-a2", {}, rplidar_params(wished));
-      bench.say(before);
+      bench.say(motor + before);
       bench.run(100 * kMs);
       bench.reset();
       bench.run(2 * kSecond);
@@ -94,13 +95,38 @@ TEST(RplidarSession, ComesToTheStreamFromEveryState) {
   }
 }
 
+TEST(RplidarSession, TurnsAMotorThatTakesACommandWithoutBeingTold) {
+  for (const RplidarModel& model : rplidar_models()) {
+    Bench bench(std::string(model.name), {}, rplidar_params());
+    bench.reset();
+    bench.run(kSecond);
+    EXPECT_EQ(static_cast<RplidarDevice&>(bench.device()).motor_duty(), model.name == "rplidar-a1" ? 0 : 660);
+    EXPECT_GE(bench.heard().scans.size(), 2U);
+  }
+}
+
+TEST(RplidarSession, TellsOnceThatTheDeviceDoesNotKnowTheExpressScan) {
+  Bench bench("rplidar-a1", {}, rplidar_params(RplidarScan::kExpress));
+  bench.on_the_way = [&](std::string& bytes) {
+    if (bench.written().find('\x82') != std::string::npos && (bytes.size() == 84 || bytes.substr(2, 1) == "\x54")) {
+      bytes.clear();  // as firmware below 1.17 does
+    }
+  };
+  bench.reset();
+  bench.run(5 * kSecond);
+  EXPECT_FALSE(bench.session().ready());
+  ASSERT_EQ(bench.heard().events.size(), 1U);
+  EXPECT_EQ(bench.heard().events[0].type, LrfEventType::kLost);
+  EXPECT_EQ(bench.heard().events[0].reason, Errc::kDeviceSilent);
+}
+
 TEST(RplidarSession, TurnsTheMotorWhereThatIsACommand) {
   LrfParams params = rplidar_params();
-  params.rplidar_pwm = 660;
+  params.rplidar_pwm = 700;
   Bench bench("rplidar-a2", {}, params);
   bench.reset();
   bench.run(kSecond);
-  EXPECT_EQ(static_cast<RplidarDevice&>(bench.device()).motor_duty(), 660);
+  EXPECT_EQ(static_cast<RplidarDevice&>(bench.device()).motor_duty(), 700);
   EXPECT_TRUE(bench.session().ready());
 }
 

@@ -34,6 +34,8 @@ constexpr std::array<RplidarModel, 2> kModels{{
      .range_sd_m = 0.010},
 }};
 
+constexpr int kFirstIdWithMotorCommand = 0x20;
+
 char byte(unsigned value) { return static_cast<char>(value & 0xFFU); }
 void put(std::string& text, unsigned value) {
   text += byte(value);
@@ -121,7 +123,8 @@ RplidarDevice::Sample RplidarDevice::sample(std::int64_t index) {
 }
 
 void RplidarDevice::on_due(std::int64_t piece) {
-  if (mode_ == Mode::kIdle) {
+  const bool turns = model_.id < kFirstIdWithMotorCommand || motor_duty_ > 0;
+  if (mode_ == Mode::kIdle || !turns) {
     return;
   }
   std::vector<Sample> samples;
@@ -303,7 +306,7 @@ void RplidarDevice::execute(int command, std::string_view payload, std::int64_t 
   }
   if (command == 0xFF) {  // whether its board has a motor that takes commands
     answer = descriptor(4, false, 0xFF);
-    put(answer, model_.id >= 0x20 ? 1U : 0U);
+    put(answer, model_.id >= kFirstIdWithMotorCommand ? 1U : 0U);
     put(answer, 0);
     send(answer, now_ns);
   }

@@ -33,7 +33,7 @@ struct RplidarModel {
 /// scan.
 ///
 /// It samples evenly whatever its mirror does, so that the number of points in a turn varies. Points are sent eight at
-/// a time, or a capsule of 32.
+/// a time, or a capsule of 32. An A2 is still until its motor has a duty.
 class RplidarDevice final : public EmulatedLrf {
  public:
   /// `source` must outlive it; its scans are the turns.

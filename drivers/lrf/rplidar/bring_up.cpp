@@ -27,13 +27,21 @@ constexpr int kScanType = 0x81;
 constexpr int kExpressType = 0x82;
 constexpr int kBroken = 2;
 
+/// The duty that Slamtec gives motors that take it as a command: of the A2 and A3, whose model byte begins with a 2
+/// or 3.
+constexpr int kUsualDuty = 660;
+int usual_duty(std::span<const std::byte> info) {
+  const int series = info.empty() ? 0 : std::to_integer<int>(info[0]) >> 4;
+  return series == 2 || series == 3 ? kUsualDuty : 0;
+}
+
 }  // namespace
 
 BringUp::BringUp(const LrfParams& params, ScanStream& stream)
     : params_(params), stream_(stream), line_baud_(params.baud == 0 ? kRatesBaud[0] : params.baud) {}
 
 void BringUp::start(std::int64_t now_ns, bool with_reset) {
-  silence_told_ = false;
+  silent_step_ = Step::kDone;
   enter(with_reset ? Step::kReset : Step::kStop, now_ns);
 }
 
@@ -50,8 +58,8 @@ Request BringUp::request_of(Step step) const {
     case Step::kAskSampleTime:
       return Request(Command::kSampleTime);
     case Step::kMotor: {
-      const std::array<std::byte, 2> duty{static_cast<std::byte>(params_.rplidar_pwm & 0xFF),
-                                          static_cast<std::byte>(params_.rplidar_pwm >> 8)};
+      const std::array<std::byte, 2> duty{static_cast<std::byte>(motor_duty_ & 0xFF),
+                                          static_cast<std::byte>(motor_duty_ >> 8)};
       return Request(Command::kMotor, duty);
     }
     case Step::kScan:
@@ -91,6 +99,12 @@ void BringUp::fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink&
   enter(Step::kPause, now_ns);
 }
 
+void BringUp::tell_silence(LrfSink& sink) {
+  if (std::exchange(silent_step_, step_) != step_) {
+    sink.on_event({.type = LrfEventType::kLost, .reason = Errc::kDeviceSilent});
+  }
+}
+
 void BringUp::next_rate() {
   if (params_.baud == 0 && !rate_is_known_) {
     rates_tried_ = (rates_tried_ + 1) % static_cast<int>(kRatesBaud.size());
@@ -105,18 +119,20 @@ void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
     case Step::kStop:
       return enter(Step::kAskInfo, now_ns);
     case Step::kAskInfo:
-      if (!std::exchange(silence_told_, true)) {
-        sink.on_event({.type = LrfEventType::kLost, .reason = Errc::kDeviceSilent});
-      }
+      tell_silence(sink);
       next_rate();
       return enter(Step::kStop, now_ns);
     case Step::kAskSampleTime:
       on_sample_time({});
-      return params_.rplidar_pwm > 0 ? enter(Step::kMotor, now_ns) : start_stream(now_ns, sink);
+      return motor_duty_ > 0 ? enter(Step::kMotor, now_ns) : start_stream(now_ns, sink);
     case Step::kMotor:
       return start_stream(now_ns, sink);
     case Step::kPause:
       return enter(std::exchange(reset_is_due_, false) ? Step::kReset : Step::kStop, now_ns);
+    case Step::kAskHealth:
+    case Step::kScan:  // it answered up to here: it doesn't know that scan
+      tell_silence(sink);
+      return enter(Step::kStop, now_ns);
     default:
       return enter(Step::kStop, now_ns);
   }
@@ -174,7 +190,11 @@ void BringUp::on_answer(const Descriptor& descriptor, std::span<const std::byte>
                         LrfSink& sink) {
   switch (step_) {
     case Step::kAskInfo:
-      return descriptor.type == kInfoType ? enter(Step::kAskHealth, now_ns) : enter(Step::kStop, now_ns);
+      if (descriptor.type != kInfoType) {
+        return enter(Step::kStop, now_ns);
+      }
+      motor_duty_ = params_.rplidar_pwm > 0 ? params_.rplidar_pwm : usual_duty(data);
+      return enter(Step::kAskHealth, now_ns);
     case Step::kAskHealth: {
       if (descriptor.type != kHealthType || data.size() != 3) {
         return enter(Step::kStop, now_ns);
@@ -184,7 +204,7 @@ void BringUp::on_answer(const Descriptor& descriptor, std::span<const std::byte>
     }
     case Step::kAskSampleTime:
       on_sample_time(descriptor.type == kSampleTimeType ? data : std::span<const std::byte>{});
-      return params_.rplidar_pwm > 0 ? enter(Step::kMotor, now_ns) : start_stream(now_ns, sink);
+      return motor_duty_ > 0 ? enter(Step::kMotor, now_ns) : start_stream(now_ns, sink);
     case Step::kScan: {
       const bool is_standard = params_.rplidar_scan == RplidarScan::kStandard;
       const bool is_right = descriptor.is_stream && descriptor.type == (is_standard ? kScanType : kExpressType) &&
@@ -194,7 +214,7 @@ void BringUp::on_answer(const Descriptor& descriptor, std::span<const std::byte>
       }
       step_ = Step::kDone;
       rate_is_known_ = true;
-      silence_told_ = false;
+      silent_step_ = Step::kDone;
       return;
     }
     default:

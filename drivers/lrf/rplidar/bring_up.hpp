@@ -15,11 +15,11 @@ namespace odoless::rplidar {
 /// The ritual that takes a device from any state to a stream of scans:
 ///
 ///   1. stop whatever stream runs and wait until the line is quiet;
-///   2. ask what it is; no answer: the next line rate where none is set, and anew;
+///   2. ask what it is, which tells of its motor; no answer: the next line rate where none is set, and anew;
 ///   3. ask for its health; a device that is broken is reset;
 ///   4. ask how long a sample takes; old firmware doesn't say;
-///   5. where it is wished for, the motor's duty;
-///   6. start the scan.
+///   5. the motor's duty, where it is wished for or the model needs it;
+///   6. start the scan; no answer: the device doesn't know it.
 ///
 /// Thread: one thread. Real time: no allocation.
 class BringUp {
@@ -50,18 +50,20 @@ class BringUp {
   void on_answer(const Descriptor& descriptor, std::span<const std::byte> data, std::int64_t now_ns, LrfSink& sink);
   void on_sample_time(std::span<const std::byte> data);
   void start_stream(std::int64_t now_ns, LrfSink& sink);
+  void tell_silence(LrfSink& sink);
   void next_rate();
 
   LrfParams params_;
   ScanStream& stream_;
   Step step_ = Step::kPause;
+  Step silent_step_ = Step::kDone;  ///< that was told to be unanswered, which is told once; kDone: none
   std::int64_t deadline_ns_ = 0;
   std::int64_t drain_end_ns_ = 0;
   int line_baud_;
   int rates_tried_ = 0;
   std::int64_t sample_ns_ = 0;
+  int motor_duty_ = 0;          ///< 0: none is sent
   bool rate_is_known_ = false;  ///< it cannot be changed, so it stays
-  bool silence_told_ = false;   ///< once per outage
   bool reset_is_due_ = false;   ///< after the pause
   std::uint64_t device_errors_ = 0;
   std::array<std::byte, kAnswerMaxBytes> answer_{};
