@@ -18,8 +18,9 @@ namespace odoless::test {
 /// The bytes of an emulated laser's stream, and sessions that have been brought up to it.
 class Stream {
  public:
-  Stream(std::string model, LrfParams params, std::int64_t duration_ns) : model_(std::move(model)), params_(params) {
-    Bench bench(model_, {}, params);
+  Stream(std::string model, LrfParams params, std::int64_t duration_ns, WorldDrive drive = small_drive())
+      : model_(std::move(model)), params_(params), drive_(std::move(drive)) {
+    Bench bench(model_, {}, params, drive_);
     bench.reset();
     for (int i = 0; i < 500 && !bench.session().ready(); ++i) {
       bench.run(20 * kMs);
@@ -38,7 +39,7 @@ class Stream {
 
   /// A session that waits for the stream.
   [[nodiscard]] std::unique_ptr<LrfSession> ready_session(Heard& heard) const {
-    WorldSource source(period_ns_of(model_), small_drive());
+    WorldSource source(period_ns_of(model_), drive_);
     const auto device = make_emulated_lrf(model_, source, {}, 0);
     auto session = make_lrf_session(params_, 1000);
     session->reset(0);
@@ -63,6 +64,7 @@ class Stream {
  private:
   std::string model_;
   LrfParams params_;
+  WorldDrive drive_;
   std::string scans_;
   std::size_t pieces_ = 0;
   std::int64_t period_ns_ = 0;

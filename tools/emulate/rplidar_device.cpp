@@ -35,6 +35,15 @@ constexpr std::array<RplidarModel, 2> kModels{{
 }};
 
 constexpr int kFirstIdWithMotorCommand = 0x20;
+constexpr double kFarCompensationDeg = 7.0;
+constexpr double kParallaxDegM = 1.0;
+
+/// What the device takes off the mirror's angle for a point at that range, in its steps of an eighth of a degree: the
+/// receiver sits beside the laser.
+double compensation_at_deg(double range_m) {
+  const double exact_deg = kFarCompensationDeg - kParallaxDegM / std::max(range_m, kParallaxDegM / kFarCompensationDeg);
+  return std::round(8.0 * exact_deg) / 8.0;
+}
 
 char byte(unsigned value) { return static_cast<char>(value & 0xFFU); }
 void put(std::string& text, unsigned value) {
@@ -58,7 +67,9 @@ unsigned xor_of(std::string_view bytes) {
   return sum;
 }
 
-unsigned q6(double angle_deg) { return static_cast<unsigned>(std::lround(angle_deg * 64.0)) % (360U * 64U); }
+unsigned quarter_mm(double range_m) { return static_cast<unsigned>(std::lround(range_m * 4000.0)); }
+unsigned eighths(double angle_deg) { return static_cast<unsigned>(std::lround(angle_deg * 8.0)); }
+unsigned q6(double angle_deg) { return static_cast<unsigned>(std::lround((angle_deg + 360.0) * 64.0)) % (360U * 64U); }
 
 }  // namespace
 
@@ -89,11 +100,11 @@ std::int64_t RplidarDevice::due_ns(std::int64_t piece) const {
   return origin_ns() + ((piece + 1) * samples_per_piece() - 1) * sample_ns() + bytes * 10 * 1'000'000'000 / model_.baud;
 }
 
-/// Of the turn that is measured, at a sample of it or of the next one.
-double RplidarDevice::angle_deg(std::int64_t index) const {
+/// The mirror's since the turn that is measured began, with its far points to the front; at any sample.
+double RplidarDevice::mirror_deg(std::int64_t index) const {
   const std::int64_t start_ns = source().start_ns(turn_);
   const auto turn_ns = static_cast<double>(source().start_ns(turn_ + 1) - start_ns);
-  return 360.0 * static_cast<double>(index * sample_ns() - start_ns) / turn_ns;
+  return 360.0 * static_cast<double>(index * sample_ns() - start_ns) / turn_ns + kFarCompensationDeg;
 }
 
 void RplidarDevice::measure_turn(std::int64_t turn) {
@@ -101,12 +112,19 @@ void RplidarDevice::measure_turn(std::int64_t turn) {
   const auto first_sample_of = [&](std::int64_t start_ns) { return (start_ns + sample_ns() - 1) / sample_ns(); };
   turn_begin_ = first_sample_of(source().start_ns(turn));
   const std::int64_t end = first_sample_of(source().start_ns(turn + 1));
-  beams_.clear();
-  for (std::int64_t i = turn_begin_; i < end; ++i) {
-    beams_.push_back({-angle_deg(i) * std::numbers::pi / 180.0, i * sample_ns() - source().start_ns(turn)});
+  const auto count = static_cast<std::size_t>(end - turn_begin_);
+  beams_.resize(count);
+  ranges_m_.resize(count);
+  compensations_deg_.assign(count, kFarCompensationDeg);
+  for (const bool is_range_known : {false, true}) {  // it tells where exactly the device says that it has looked
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int64_t index = turn_begin_ + static_cast<std::int64_t>(i);
+      compensations_deg_[i] = is_range_known ? compensation_at_deg(ranges_m_[i]) : kFarCompensationDeg;
+      beams_[i] = {-(mirror_deg(index) - compensations_deg_[i]) * std::numbers::pi / 180.0,
+                   index * sample_ns() - source().start_ns(turn)};
+    }
+    measure(turn, beams_, ranges_m_, origin_ns() + source().start_ns(turn));
   }
-  ranges_m_.resize(beams_.size());
-  measure(turn, beams_, ranges_m_, origin_ns() + source().start_ns(turn));
 }
 
 RplidarDevice::Sample RplidarDevice::sample(std::int64_t index) {
@@ -117,9 +135,13 @@ RplidarDevice::Sample RplidarDevice::sample(std::int64_t index) {
   if (turn != turn_) {
     measure_turn(turn);
   }
-  return {.angle_deg = angle_deg(index),
-          .range_m = ranges_m_[static_cast<std::size_t>(index - turn_begin_)],
-          .starts_turn = index == turn_begin_};
+  const auto i = static_cast<std::size_t>(index - turn_begin_);
+  const bool has_range = ranges_m_[i] < model_.range_far_m;
+  return {.mirror_deg = mirror_deg(index),
+          .compensation_deg = has_range ? compensations_deg_[i] : 0.0,
+          .range_m = has_range ? ranges_m_[i] : 0.0,
+          .starts_turn = mirror_deg(index) >= 360.0 && mirror_deg(index - 1) < 360.0,
+          .completes_scan = index == turn_begin_ && turn_ > 0};
 }
 
 void RplidarDevice::on_due(std::int64_t piece) {
@@ -131,27 +153,23 @@ void RplidarDevice::on_due(std::int64_t piece) {
   std::optional<SentScan> completed;
   for (std::int64_t i = 0; i < samples_per_piece(); ++i) {
     samples.push_back(sample(piece * samples_per_piece() + i));
-    if (samples.back().starts_turn && turn_ > 0) {
+    if (samples.back().completes_scan) {
       completed = SentScan{turn_ - 1, origin_ns() + source().start_ns(turn_ - 1)};
     }
   }
-  const bool is_left_out = fault(FaultKind::kBeams, due_ns(piece)) && samples.front().angle_deg > 240.0;
+  const bool is_left_out = fault(FaultKind::kBeams, due_ns(piece)) && samples.front().mirror_deg > 240.0;
   if (!is_left_out) {
     send_piece(mode_ == Mode::kExpress ? capsule(samples) : nodes(samples), completed, due_ns(piece));
   }
 }
 
-unsigned RplidarDevice::quarter_mm(double range_m) const {
-  return range_m < model_.range_far_m ? static_cast<unsigned>(std::lround(range_m * 4000.0)) : 0U;
-}
-
-std::string RplidarDevice::nodes(std::span<const Sample> samples) const {
+std::string RplidarDevice::nodes(std::span<const Sample> samples) {
   std::string bytes;
   for (const Sample& sample : samples) {
     const unsigned distance = quarter_mm(sample.range_m);
     const unsigned quality = distance == 0 ? 0 : 15;
     bytes += byte((quality << 2U) | (sample.starts_turn ? 1U : 2U));
-    put(bytes, (q6(sample.angle_deg) << 1U) | 1U);
+    put(bytes, (q6(sample.mirror_deg - sample.compensation_deg) << 1U) | 1U);
     put(bytes, distance);
   }
   return bytes;
@@ -159,11 +177,13 @@ std::string RplidarDevice::nodes(std::span<const Sample> samples) const {
 
 std::string RplidarDevice::capsule(std::span<const Sample> samples) {
   std::string bytes;
-  put(bytes, q6(samples.front().angle_deg) | (std::exchange(is_first_capsule_, false) ? 0x8000U : 0U));
+  put(bytes, q6(samples.front().mirror_deg) | (std::exchange(is_first_capsule_, false) ? 0x8000U : 0U));
   for (std::size_t i = 0; i < samples.size(); i += 2) {
-    put(bytes, quarter_mm(samples[i].range_m) & 0xFFFCU);
-    put(bytes, quarter_mm(samples[i + 1].range_m) & 0xFFFCU);
-    bytes += '\0';
+    const unsigned first = eighths(samples[i].compensation_deg);
+    const unsigned second = eighths(samples[i + 1].compensation_deg);
+    put(bytes, (quarter_mm(samples[i].range_m) & 0xFFFCU) | (first >> 4U));
+    put(bytes, (quarter_mm(samples[i + 1].range_m) & 0xFFFCU) | (second >> 4U));
+    bytes += byte((first & 0x0FU) | ((second & 0x0FU) << 4U));
   }
   const unsigned sum = xor_of(bytes);
   std::string head;

@@ -33,7 +33,8 @@ struct RplidarModel {
 /// scan.
 ///
 /// It samples evenly whatever its mirror does, so that the number of points in a turn varies. Points are sent eight at
-/// a time, or a capsule of 32. An A2 is still until its motor has a duty.
+/// a time, or a capsule of 32. As it triangulates, its mirror is 7 degrees past a far point and less past a near one;
+/// it takes that off the angles of points, but not where nothing answered. An A2 is still until its motor has a duty.
 class RplidarDevice final : public EmulatedLrf {
  public:
   /// `source` must outlive it; its scans are the turns.
@@ -59,18 +60,19 @@ class RplidarDevice final : public EmulatedLrf {
 
   /// One sample: where the mirror was, and what was seen.
   struct Sample {
-    double angle_deg = 0.0;  ///< clockwise
-    double range_m = 0.0;
-    bool starts_turn = false;
+    double mirror_deg = 0.0;        ///< clockwise
+    double compensation_deg = 0.0;  ///< by which it is past what was seen
+    double range_m = 0.0;           ///< 0: nothing answered
+    bool starts_turn = false;       ///< the mirror's
+    bool completes_scan = false;    ///< the first one after a scan of the source
   };
   [[nodiscard]] std::int64_t sample_ns() const;
   [[nodiscard]] std::int64_t samples_per_piece() const { return mode_ == Mode::kExpress ? 32 : 8; }
   [[nodiscard]] Sample sample(std::int64_t index);
   void measure_turn(std::int64_t turn);
-  [[nodiscard]] double angle_deg(std::int64_t index) const;
-  [[nodiscard]] std::string nodes(std::span<const Sample> samples) const;
+  [[nodiscard]] double mirror_deg(std::int64_t index) const;
+  [[nodiscard]] static std::string nodes(std::span<const Sample> samples);
   [[nodiscard]] std::string capsule(std::span<const Sample> samples);
-  [[nodiscard]] unsigned quarter_mm(double range_m) const;
 
   RplidarModel model_;
   std::string received_;
@@ -81,6 +83,7 @@ class RplidarDevice final : public EmulatedLrf {
   std::int64_t turn_begin_ = 0;  ///< its first sample
   std::vector<EmulatedBeam> beams_;
   std::vector<double> ranges_m_;
+  std::vector<double> compensations_deg_;  ///< of the beams
 };
 
 }  // namespace odoless

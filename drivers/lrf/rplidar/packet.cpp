@@ -25,13 +25,13 @@ unsigned xor_of(std::span<const std::byte> bytes) {
   return std::to_integer<unsigned>(sum);
 }
 
-/// 6 bits with a sign, in eighths of a degree.
-double correction_deg(unsigned bits) {
-  const int eighths = bits >= 32U ? static_cast<int>(bits) - 64 : static_cast<int>(bits);
-  return eighths / 8.0;
-}
+/// 6 bits without a sign, in eighths of a degree.
+double compensation_deg(unsigned bits) { return bits / 8.0; }
 
-double wrapped_deg(double angle_deg) { return angle_deg - 360.0 * std::floor(angle_deg / 360.0); }
+double wrapped_deg(double angle_deg) {
+  const double wrapped_deg = angle_deg - 360.0 * std::floor(angle_deg / 360.0);
+  return wrapped_deg < 360.0 ? wrapped_deg : 0.0;  // a tiny angle below 0 is rounded to 360
+}
 
 }  // namespace
 
@@ -88,7 +88,7 @@ std::array<Point, kCapsulePoints> points_of(std::span<const std::byte> capsule, 
     const unsigned distance = pair_at(capsule, cabin + 2 * (i % 2));
     const unsigned low_bits = (at(capsule, cabin + 4) >> (4 * (i % 2))) & 0x0FU;
     const double angle_deg = start_deg + sweep_deg * static_cast<double>(i) / kCapsulePoints -
-                             correction_deg(low_bits | ((distance & 3U) << 4U));
+                             compensation_deg(low_bits | ((distance & 3U) << 4U));
     points[i] = {.angle_deg = wrapped_deg(angle_deg), .range_m = (distance & 0xFFFCU) / 4000.0, .starts_turn = false};
   }
   return points;

@@ -13,6 +13,11 @@ inline constexpr std::size_t kCapsuleBytes = 84;
 inline constexpr int kCapsulePoints = 32;
 inline constexpr std::size_t kDescriptorBytes = 7;
 
+/// The receiver sits beside the laser, so that the mirror is some degrees past the direction in which a point lies: 7
+/// to 8 far away, less the nearer it is. The device takes that off a point's angle, at most so much, but not off one
+/// that nothing answered.
+inline constexpr double kCompensationMaxDeg = 8.0;
+
 enum class Command : std::uint8_t {
   kStop = 0x25,
   kReset = 0x40,
@@ -48,7 +53,7 @@ struct Descriptor {
 
 /// One measurement.
 struct Point {
-  double angle_deg = 0.0;  ///< clockwise from the front, 0 up to 360
+  double angle_deg = 0.0;  ///< clockwise from the front, 0 up to 360; the mirror's where the range is 0
   double range_m = 0.0;    ///< 0: nothing can be said, or nothing was hit
   bool starts_turn = false;
 };
@@ -62,11 +67,11 @@ struct Point {
 /// Whether a capsule is the first one of a stream.
 [[nodiscard]] bool is_first_capsule(std::span<const std::byte> capsule);
 
-/// Angle of a capsule's first point before its correction, in degrees, 0 up to 360.
+/// Angle of a capsule's first point before its compensation, in degrees, 0 up to 360.
 [[nodiscard]] double capsule_angle_deg(std::span<const std::byte> capsule);
 
 /// The points of a capsule; their angles lie evenly between its own and the next one's, `sweep_deg` further on, each
-/// less its correction.
+/// less its compensation.
 [[nodiscard]] std::array<Point, kCapsulePoints> points_of(std::span<const std::byte> capsule, double sweep_deg);
 
 }  // namespace odoless::rplidar

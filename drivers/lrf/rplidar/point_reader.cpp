@@ -11,6 +11,7 @@ namespace {
 // Between two neighbouring samples: what a motor can do, with the jitter of an angle.
 constexpr double kStepMinDeg = -3.0;
 constexpr double kStepMaxDeg = 12.0;
+constexpr double kParallaxDegM = 1.5;   ///< over a range: by how much less its angle is compensated than far away
 constexpr double kStartMarkDeg = 30.0;  ///< the mark of a turn's start is this near to the front
 constexpr int kMisfitsMax = 3;
 constexpr std::int64_t kGapMax = 4;     ///< capsules; after more, the angle no longer tells how far the mirror is
@@ -21,9 +22,18 @@ double between_deg(double from_deg, double to_deg) {
   return difference_deg - 360.0 * std::round(difference_deg / 360.0);
 }
 
-bool follows(double last_deg, double angle_deg) {
-  const double step_deg = between_deg(last_deg, angle_deg);
-  return last_deg < 0.0 || (step_deg > kStepMinDeg && step_deg < kStepMaxDeg);
+/// By how much the compensations of two points may differ. Where one has no range, it may have none.
+double compensation_change_deg(const Point& a, const Point& b) {
+  return kParallaxDegM / std::max(std::min(a.range_m, b.range_m), kParallaxDegM / kCompensationMaxDeg);
+}
+
+bool follows(const std::optional<Point>& last, const Point& point) {
+  if (!last) {
+    return true;
+  }
+  const double step_deg = between_deg(last->angle_deg, point.angle_deg);
+  const double change_deg = compensation_change_deg(*last, point);
+  return step_deg > kStepMinDeg - change_deg && step_deg < kStepMaxDeg + change_deg;
 }
 
 bool can_be(const Point& point) {
@@ -38,7 +48,7 @@ void PointReader::clear() {
   used_bytes_ = 0;
   in_step_ = false;
   skipping_ = false;
-  last_angle_deg_ = -1.0;
+  last_.reset();
   has_before_ = false;
   sweep_deg_ = 0.0;
   is_before_suspect_ = false;
@@ -66,26 +76,26 @@ PointReader::Outcome PointReader::skip_one(Outcome outcome) {
 }
 
 bool PointReader::is_in_step() const {
-  double last_deg = -1.0;
+  std::optional<Point> last;
   for (std::size_t i = 0; i < kTrialNodes; ++i) {
     const std::optional<Point> point = node_of(rest().subspan(i * kNodeBytes));
-    if (!point || !can_be(*point) || !follows(last_deg, point->angle_deg)) {
+    if (!point || !can_be(*point) || !follows(last, *point)) {
       return false;
     }
-    last_deg = point->angle_deg;
+    last = point;
   }
   return true;
 }
 
 PointReader::Outcome PointReader::take_node() {
   const std::optional<Point> point = node_of(rest());
-  if (!point || !can_be(*point) || !follows(last_angle_deg_, point->angle_deg)) {
+  if (!point || !can_be(*point) || !follows(last_, *point)) {
     in_step_ = false;
-    last_angle_deg_ = -1.0;
+    last_.reset();
     return std::exchange(skipping_, true) ? Outcome::kMore : Outcome::kSkipped;
   }
   skipping_ = false;
-  last_angle_deg_ = point->angle_deg;
+  last_ = point;
   points_[0] = *point;
   point_count_ = 1;
   use(kNodeBytes);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "drivers/lrf/lrf_params.hpp"
@@ -13,7 +14,8 @@ namespace odoless::rplidar {
 /// Cuts a stream into points, and counts the samples that it stands for.
 ///
 /// The standard scan has no sums, only two check bits in each five bytes. So the reader is in step only after eight
-/// nodes in a row whose bits are right and whose angles go on, and out of step with the first that doesn't fit; what
+/// nodes in a row whose bits are right and whose angles go on as the mirror does, give or take what the device may have
+/// compensated them by, and out of step with the first that doesn't fit; what
 /// was received meanwhile is kept, so that the step is found again at the very next node. The express scan has marks
 /// and sums of 8 bits, and a capsule must go on where the one before ended; its points wait for the next capsule, which
 /// tells how far the mirror has turned. Thread: one thread. Real time: no allocation; linear in the bytes.
@@ -62,8 +64,8 @@ class PointReader {
   std::size_t end_ = 0;
   std::int64_t used_bytes_ = 0;  ///< of the stream
   bool in_step_ = false;
-  bool skipping_ = false;  ///< told already
-  double last_angle_deg_ = -1.0;
+  bool skipping_ = false;      ///< told already
+  std::optional<Point> last_;  ///< of those in step
 
   std::array<std::byte, kCapsuleBytes> before_{};  ///< the capsule whose points wait
   std::int64_t before_sample_ = 0;

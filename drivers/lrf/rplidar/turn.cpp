@@ -8,7 +8,8 @@ namespace odoless::rplidar {
 namespace {
 
 constexpr double kTurnDeg = 360.0;
-constexpr double kNeighboursBeams = 1.5;
+constexpr double kNeighbours = 1.5;                    ///< beams or samples
+constexpr double kLostSamples = kCapsulePoints / 2.0;  ///< too few for a time: some were lost, not missed
 constexpr double kSurfaceRatio = 0.1;
 constexpr double kBackwardsMaxDeg = 30.0;
 
@@ -31,35 +32,43 @@ void Turn::push(const Sample& sample) {
 }
 
 bool Turn::add(const Point& point, std::int64_t time_ns) {
-  double angle_deg = point.angle_deg;
+  const bool is_miss = point.range_m <= 0.0;
+  double angle_deg = point.angle_deg - (is_miss ? kCompensationMaxDeg : 0.0);
   if (count_ > 0) {
-    const double last_deg = samples_[count_ - 1].angle_deg;
-    angle_deg += kTurnDeg * std::round((last_deg - angle_deg) / kTurnDeg);
-    is_spoilt_ = is_spoilt_ || angle_deg < last_deg - kBackwardsMaxDeg;
+    angle_deg += kTurnDeg * std::round((last_deg_ - angle_deg) / kTurnDeg);
+    is_spoilt_ = is_spoilt_ || angle_deg < last_deg_ - kBackwardsMaxDeg;
   }
-  const Sample sample{angle_deg, point.range_m, time_ns};
-  push(sample);
-  if (angle_deg < kTurnDeg) {
+  last_deg_ = angle_deg;
+  const bool is_complete = angle_deg >= kTurnDeg;
+  if (is_miss && count_ > 0 && !is_complete) {
+    ++misses_;
     return false;
   }
-  close();
-  return true;
+  push({angle_deg, point.range_m, time_ns, misses_});
+  if (is_complete) {
+    close();
+  }
+  return is_complete;
 }
 
 void Turn::close() {
   const Sample& first = samples_[0];
   const Sample& last = samples_[count_ - 1];
-  const double ns_per_deg =
-      static_cast<double>(last.time_ns - first.time_ns) / std::max(last.angle_deg - first.angle_deg, 1.0);
+  const double turned_deg = std::max(last.angle_deg - first.angle_deg, 1.0);
+  const double ns_per_deg = static_cast<double>(last.time_ns - first.time_ns) / turned_deg;
+  const auto steps = static_cast<double>(std::max<std::size_t>(count_ + last.misses - first.misses, 2) - 1);
   complete_ = {.is_whole = is_whole_,
                .is_spoilt = is_spoilt_,
                .start_ns = first.time_ns - std::llround(first.angle_deg * ns_per_deg),
-               .period_ns = std::llround(kTurnDeg * ns_per_deg)};
+               .period_ns = std::llround(kTurnDeg * ns_per_deg),
+               .sample_deg = turned_deg / steps,
+               .sample_ns = static_cast<double>(last.time_ns - first.time_ns) / steps};
   samples_.swap(finished_);
   finished_count_ = count_;
   count_ = 0;
   is_whole_ = true;
   is_spoilt_ = false;
+  last_deg_ -= kTurnDeg;
   for (std::size_t i = finished_count_ - std::min<std::size_t>(finished_count_, 2); i < finished_count_; ++i) {
     Sample sample = finished_[i];
     sample.angle_deg -= kTurnDeg;
@@ -68,14 +77,26 @@ void Turn::close() {
 }
 
 // On a straight line, the reciprocal of the range is nearly linear in a small angle.
-float Turn::between_m(const Sample& left, const Sample& right, double angle_deg) {
-  const double share = (angle_deg - left.angle_deg) / std::max(right.angle_deg - left.angle_deg, 1e-9);
+float Turn::between_m(const Sample& left, const Sample& right, double angle_deg, double beam_deg) const {
+  const double gap_deg = right.angle_deg - left.angle_deg;
+  const std::size_t between = std::max(left.misses, right.misses) - std::min(left.misses, right.misses);
+  // Where points lie one after the other, what was missed was missed elsewhere.
+  const double misses = gap_deg > kNeighbours * complete_.sample_deg ? static_cast<double>(between) : 0.0;
+  const double apart_ns = std::abs(static_cast<double>(right.time_ns - left.time_ns));
+  const bool are_neighbours = misses > 0.0 ? apart_ns < (misses + kLostSamples) * complete_.sample_ns
+                                           : gap_deg <= kNeighbours * std::max(beam_deg, complete_.sample_deg);
+  if (!are_neighbours) {
+    return 0.0F;
+  }
+  const double share = (angle_deg - left.angle_deg) / std::max(gap_deg, 1e-9);
+  const double samples = share * (misses + 1.0);  // from the left one
+  const bool is_missed = samples > 0.5 && samples < misses + 0.5;
   const Sample& nearer = share < 0.5 ? left : right;
-  if (nearer.range_m <= 0.0) {
+  if (is_missed || nearer.range_m <= 0.0) {
     return std::numeric_limits<float>::infinity();
   }
   const bool is_one_surface =
-      left.range_m > 0.0 && right.range_m > 0.0 &&
+      misses == 0.0 && left.range_m > 0.0 && right.range_m > 0.0 &&
       std::abs(left.range_m - right.range_m) < kSurfaceRatio * std::min(left.range_m, right.range_m);
   const double range_m = is_one_surface ? 1.0 / ((1.0 - share) / left.range_m + share / right.range_m) : nearer.range_m;
   return static_cast<float>(range_m);
@@ -85,8 +106,6 @@ int Turn::resample(std::span<float> ranges_m) {
   const auto end = finished_.begin() + static_cast<std::ptrdiff_t>(finished_count_);
   std::sort(finished_.begin(), end, [](const Sample& a, const Sample& b) { return a.angle_deg < b.angle_deg; });
   const double beam_deg = kTurnDeg / static_cast<double>(ranges_m.size());
-  const double reach_deg =
-      kNeighboursBeams * std::max(beam_deg, kTurnDeg / static_cast<double>(std::max<std::size_t>(finished_count_, 1)));
   int known = 0;
   std::size_t right = 1;
   for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
@@ -94,10 +113,9 @@ int Turn::resample(std::span<float> ranges_m) {
     while (right < finished_count_ && finished_[right].angle_deg < angle_deg) {
       ++right;
     }
-    const bool has_both = right < finished_count_ && finished_[right - 1].angle_deg <= angle_deg &&
-                          finished_[right].angle_deg - finished_[right - 1].angle_deg <= reach_deg;
-    ranges_m[beam] = has_both ? between_m(finished_[right - 1], finished_[right], angle_deg) : 0.0F;
-    known += has_both ? 1 : 0;
+    const bool has_both = right < finished_count_ && finished_[right - 1].angle_deg <= angle_deg;
+    ranges_m[beam] = has_both ? between_m(finished_[right - 1], finished_[right], angle_deg, beam_deg) : 0.0F;
+    known += ranges_m[beam] > 0.0F ? 1 : 0;
   }
   return known;
 }

@@ -12,9 +12,11 @@ namespace odoless::rplidar {
 /// Collects the points of a turn, whose number varies, and gives it as a scan of evenly spaced beams.
 ///
 /// The rule: a beam that lies between two points of one surface (their ranges differ by less than a tenth) gets the
-/// range at which the straight line through them is hit; between two surfaces, that of the nearer point; beside a
-/// point that hit nothing, infinity. Points are neighbours when they are at most one and a half beams, or mean
-/// distances of points, apart; a beam without points near it gets 0: nothing can be said.
+/// range at which the straight line through them is hit; between two surfaces, that of the nearer point. Points are
+/// neighbours when they are at most one and a half beams, or mean distances of samples, apart; a beam without points
+/// near it gets 0: nothing can be said. Samples that nothing answered (range 0) have no direction, for theirs isn't
+/// compensated: they lie evenly between the points around them, if none was lost there, and a beam beside one gets
+/// infinity.
 ///
 /// Thread: one thread. Real time: no allocation after construction; n log n in the points of a turn.
 class Turn {
@@ -45,24 +47,29 @@ class Turn {
  private:
   struct Sample {
     double angle_deg = 0.0;  ///< from the turn's start on, without a wrap
-    double range_m = 0.0;
+    double range_m = 0.0;    ///< 0 only of the first one and of the one that completes a turn
     std::int64_t time_ns = 0;
+    std::size_t misses = 0;  ///< samples so far that nothing answered and that aren't kept
   };
   struct Complete {
     bool is_whole = false;
     bool is_spoilt = false;
     std::int64_t start_ns = 0;
     std::int64_t period_ns = 0;
+    double sample_deg = 0.0;  ///< from sample to sample
+    double sample_ns = 0.0;
   };
 
   void close();
   void push(const Sample& sample);
-  [[nodiscard]] static float between_m(const Sample& left, const Sample& right, double angle_deg);
+  [[nodiscard]] float between_m(const Sample& left, const Sample& right, double angle_deg, double beam_deg) const;
 
   std::vector<Sample> samples_;   ///< of the turn that is collected; the first is the last one's of the turn before
   std::vector<Sample> finished_;  ///< of the complete turn, with one sample beyond each end
   std::size_t count_ = 0;
   std::size_t finished_count_ = 0;
+  std::size_t misses_ = 0;
+  double last_deg_ = 0.0;  ///< of the last sample, kept or not
   bool is_whole_ = false;  ///< from its start
   bool is_spoilt_ = false;
   Complete complete_;

@@ -57,9 +57,9 @@ std::vector<std::byte> capsule() {
   std::vector<std::byte> bytes(kCapsuleBytes);
   bytes[2] = std::byte{0x00};
   bytes[3] = std::byte{0x96};  // first capsule, 5632 / 64 = 88 degrees
-  bytes[4] = std::byte{0x43};  // 4000 quarters of a millimetre and twice 63: bits 0 and 1 are of the correction
+  bytes[4] = std::byte{0x43};  // 4000 quarters of a millimetre and twice 63: bits 0 and 1 are of the compensation
   bytes[5] = std::byte{0x0F};
-  bytes[8] = std::byte{0x4F};  // corrections: all ones (with the two bits: -1 eighth), and 4 eighths
+  bytes[8] = std::byte{0x4F};  // compensations: all ones (with the two bits: 63 eighths), and 4 eighths
   unsigned sum = 0;
   for (std::size_t i = 2; i < kCapsuleBytes; ++i) {
     sum ^= std::to_integer<unsigned>(bytes[i]);
@@ -75,7 +75,7 @@ TEST(RplidarCapsule, SpreadsItsPointsUpToTheNextOne) {
   EXPECT_TRUE(is_first_capsule(bytes));
   EXPECT_DOUBLE_EQ(capsule_angle_deg(bytes), 88.0);
   const auto points = points_of(bytes, 16.0);
-  EXPECT_DOUBLE_EQ(points[0].angle_deg, 88.0 + 0.125);
+  EXPECT_DOUBLE_EQ(points[0].angle_deg, 88.0 - 7.875);
   EXPECT_DOUBLE_EQ(points[0].range_m, 0x0F40 / 4000.0);
   EXPECT_DOUBLE_EQ(points[1].angle_deg, 88.5 - 0.5);
   EXPECT_DOUBLE_EQ(points[31].angle_deg, 88.0 + 15.5);

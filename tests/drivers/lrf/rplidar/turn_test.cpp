@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "core/base/rng.hpp"
 
@@ -72,6 +74,74 @@ TEST(RplidarTurn, TellsNoReturnFromNoPoint) {
   EXPECT_TRUE(std::isinf(ranges_m[55]));
   EXPECT_EQ(ranges_m[205], 0.0F);
   EXPECT_FLOAT_EQ(ranges_m[100], 2.0F);
+}
+
+/// As the device sends it: 7 degrees behind the mirror far away, less near it, and where nothing answered, none.
+Point device_point(double mirror_deg, double range_m) {
+  const double angle_deg = mirror_deg - (range_m > 0.0 ? 7.0 - 1.0 / range_m : 0.0);
+  return {.angle_deg = angle_deg - 360.0 * std::floor(angle_deg / 360.0), .range_m = range_m};
+}
+
+/// Three turns of a sample per degree, each seeing `range_m` of the direction in which a far point lies.
+template <class Range>
+std::vector<float> ranges_of_device(const Range& range_m) {
+  Turn turn;
+  std::vector<float> ranges_m(360);
+  for (int i = 0; i <= 3 * 361; ++i) {
+    const double far_deg = i * 360.0 / 361 + 0.3;
+    const double wrapped_deg = far_deg - 360.0 * std::floor(far_deg / 360.0);
+    if (turn.add(device_point(far_deg + 7.0, range_m(wrapped_deg)), i * kMs / 2) && turn.is_whole()) {
+      EXPECT_FALSE(turn.is_spoilt());
+      EXPECT_EQ(turn.resample(ranges_m), 360) << "of each beam, something is known";
+    }
+  }
+  return ranges_m;
+}
+
+// Its first and last beam may be either.
+TEST(RplidarTurn, NoReturnIsWhereItsNeighboursLeaveRoom) {
+  for (const int from_deg : {100, 330}) {  // the latter: across the front
+    const auto since_deg = [=](double angle_deg) { return std::fmod(angle_deg - from_deg + 360.0, 360.0); };
+    const std::vector<float> ranges_m =
+        ranges_of_device([&](double angle_deg) { return since_deg(angle_deg) < 50.0 ? 0.0 : 2.0; });
+    for (int beam = 0; beam < 360; ++beam) {
+      const double beam_deg = since_deg(beam);  // a point at 2 m lies half a degree further than a far one
+      if (beam_deg > 1.5 && beam_deg < 49.0) {
+        EXPECT_TRUE(std::isinf(ranges_m[static_cast<std::size_t>(beam)])) << beam;
+      } else if (beam_deg > 51.5) {
+        EXPECT_FLOAT_EQ(ranges_m[static_cast<std::size_t>(beam)], 2.0F) << beam;
+      }
+    }
+  }
+}
+
+TEST(RplidarTurn, SinglePointsWithoutAReturnLeaveTheWallsBesideThem) {
+  int sample = 0;
+  const std::vector<float> ranges_m = ranges_of_device([&](double) { return ++sample % 10 == 0 ? 0.0 : 2.0; });
+  EXPECT_NEAR(static_cast<double>(std::count(ranges_m.begin(), ranges_m.end(), 2.0F)), 324.0, 3.0);
+}
+
+TEST(RplidarTurn, WhatWasLostAmongSamplesWithoutAReturnIsNotFree) {
+  Turn turn;
+  std::vector<float> ranges_m(360);
+  for (int i = 0; i <= 721; ++i) {
+    const int at_deg = i % 360;
+    if (at_deg > 120 && at_deg < 145) {
+      continue;
+    }
+    const double range_m = at_deg > 90 && at_deg < 150 ? 0.0 : 2.0;
+    if (turn.add(device_point(at_deg + 7.25, range_m), i * kMs / 2)) {
+      static_cast<void>(turn.resample(ranges_m));
+    }
+  }
+  EXPECT_EQ(ranges_m[135], 0.0F);
+  EXPECT_FLOAT_EQ(ranges_m[80], 2.0F);
+}
+
+TEST(RplidarTurn, WhereNothingAnswersEveryBeamIsFree) {
+  for (const float range_m : ranges_of_device([](double) { return 0.0; })) {
+    EXPECT_TRUE(std::isinf(range_m));
+  }
 }
 
 TEST(RplidarTurn, TheFirstOneIsNotWholeAndBackwardsSpoils) {
