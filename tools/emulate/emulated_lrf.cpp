@@ -50,13 +50,21 @@ void EmulatedLrf::follow_faults(std::int64_t now_ns) {
   was_rebooted_ = is_rebooting;
 }
 
-std::int64_t EmulatedLrf::next_event_ns() const { return origin_ns_ ? due_ns(next_piece_) : kNever; }
+std::int64_t EmulatedLrf::next_event_ns() const {
+  const std::int64_t answer_ns = later_.empty() ? kNever : later_.front().due_ns;
+  return std::min(answer_ns, origin_ns_ ? due_ns(next_piece_) : kNever);
+}
 
 void EmulatedLrf::tick(std::int64_t now_ns) {
   if (options_.starts_at_once) {
     start_source(now_ns);
   }
   follow_faults(now_ns);
+  for (; !later_.empty() && later_.front().due_ns <= now_ns; later_.pop_front()) {
+    if (!is_mute(now_ns)) {
+      send(std::move(later_.front().bytes), now_ns);
+    }
+  }
   while (origin_ns_ && due_ns(next_piece_) <= now_ns) {
     const bool is_stale = due_ns(next_piece_) <= now_ns - kStaleNs && due_ns(next_piece_ + 1) <= now_ns;
     if (!is_stale) {
@@ -112,6 +120,8 @@ void EmulatedLrf::damage(std::string& bytes, std::int64_t now_ns) {
 void EmulatedLrf::send(std::string bytes, std::int64_t now_ns) {
   output_.push_back({.bytes = std::move(bytes), .scan = {}, .one_by_one = fault(FaultKind::kOneByte, now_ns)});
 }
+
+void EmulatedLrf::send_later(std::string bytes, std::int64_t due_ns) { later_.push_back({std::move(bytes), due_ns}); }
 
 void EmulatedLrf::send_piece(std::string bytes, std::optional<SentScan> scan, std::int64_t now_ns) {
   if (is_mute(now_ns)) {

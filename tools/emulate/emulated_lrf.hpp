@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -94,12 +95,19 @@ class EmulatedLrf {
 
   /// An answer.
   void send(std::string bytes, std::int64_t now_ns);
+  /// An answer that takes its time: the line has carried it at `due_ns`, which never goes back.
+  void send_later(std::string bytes, std::int64_t due_ns);
   /// A piece of the stream, with whatever faults damage it.
   void send_piece(std::string bytes, std::optional<SentScan> scan, std::int64_t now_ns);
 
   [[nodiscard]] ScanSource& source() const { return source_; }
 
  private:
+  struct LaterBytes {
+    std::string bytes;
+    std::int64_t due_ns = 0;
+  };
+
   void damage(std::string& bytes, std::int64_t now_ns);
   void garble(std::string& bytes);
   void follow_faults(std::int64_t now_ns);
@@ -108,6 +116,7 @@ class EmulatedLrf {
   EmulatedLrfOptions options_;
   Rng rng_;
   std::vector<SentBytes> output_;
+  std::deque<LaterBytes> later_;
   std::optional<std::int64_t> origin_ns_;  ///< host time of the source's 0
   std::int64_t next_piece_ = 0;            ///< the first one that isn't due yet
   int line_baud_ = 0;

@@ -31,7 +31,8 @@ struct SickModel {
 
 /// A laser that speaks the telegrams of the SICK LMS2xx: modes, password, variants, units, line rates.
 ///
-/// It starts at 9600 baud; while the line carries one scan, the others are left out, as on the device.
+/// It starts at 9600 baud; while the line carries one scan, the others are left out, as on the device. Its answers take
+/// their time too: it thinks, and the line carries request and answer.
 class SickDevice final : public EmulatedLrf {
  public:
   /// `source` must outlive it; its scans come at the pace of the mirror's turns.
@@ -50,7 +51,7 @@ class SickDevice final : public EmulatedLrf {
   void restart(std::int64_t now_ns) override;
 
   [[nodiscard]] bool take_request(std::int64_t now_ns);
-  void execute(std::string_view payload, std::int64_t now_ns);
+  void execute(std::string_view request, std::int64_t now_ns);
   [[nodiscard]] std::string answer_to(std::string_view payload, std::int64_t now_ns);
   [[nodiscard]] std::string set_mode(std::string_view payload, std::int64_t now_ns);
   [[nodiscard]] std::string set_variant(std::string_view payload);
@@ -70,7 +71,7 @@ class SickDevice final : public EmulatedLrf {
   bool streams_ = false;
   int baud_ = 9600;
   int next_baud_ = 9600;            ///< from the next round on: the answer still goes at the old rate
-  std::int64_t line_free_ns_ = 0;   ///< when the scan before has been carried
+  std::int64_t line_free_ns_ = 0;   ///< when what was sent before has been carried
   std::int64_t next_start_ns_ = 0;  ///< the scan before takes all turns until then
   int writes_ = 0;
   std::vector<EmulatedBeam> beams_;

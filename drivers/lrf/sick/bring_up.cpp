@@ -9,6 +9,8 @@ namespace {
 constexpr std::int64_t kModeNs = 3'000'000'000;    ///< the device may take this long to change its mode
 constexpr std::int64_t kWriteNs = 15'000'000'000;  ///< ... to write its configuration
 constexpr std::int64_t kHeardNs = 1'000'000'000;   ///< a scan on its way at 9600 baud holds an answer up
+/// The status takes 174 ms at 9600 baud, its request included, after up to 60 ms of thinking; others wait as long.
+constexpr std::int64_t kLongReplyNs = 1'000'000'000;
 constexpr std::int64_t kSettleNs = 100'000'000;    ///< from the answer to the new rate
 constexpr std::int64_t kPauseNs = 1'000'000'000;   ///< before a broken device is asked again
 constexpr int kNaksMax = 3;
@@ -61,7 +63,7 @@ std::int64_t BringUp::patience_ns(Step step) const {
     case Step::kStop:
     case Step::kAskStatus:
     case Step::kAskConfiguration:
-      return params_.reply_timeout_ns;
+      return std::max(params_.reply_timeout_ns, kLongReplyNs);
     case Step::kConfigure:
       return kWriteNs;
     case Step::kSettle:
@@ -79,6 +81,7 @@ void BringUp::send_request_of(Step step) {
   const auto put = [&](auto... values) { ((payload[size++] = static_cast<std::byte>(values)), ...); };
   switch (step) {
     case Step::kReset:
+      return params_.reply_timeout_ns;
       put(kReset);
       break;
     case Step::kStop:
