@@ -77,4 +77,9 @@ Result<DeviceAddress> parse_device_address(std::string_view text) {
   return DeviceAddress(SerialAddress{.path = std::string(text)});
 }
 
+bool is_serial(std::string_view text) {
+  const Result<DeviceAddress> address = parse_device_address(text);
+  return address.ok() && std::holds_alternative<SerialAddress>(address.value());
+}
+
 }  // namespace odoless

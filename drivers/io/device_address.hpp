@@ -36,4 +36,8 @@ using DeviceAddress = std::variant<SerialAddress, TcpAddress, UsbAddress>;
 /// Errors: Errc::kBadAddress.
 [[nodiscard]] Result<DeviceAddress> parse_device_address(std::string_view text);
 
+/// Whether that is a serial line of this machine, so that its rate is ours to set; those at the far end of a network or
+/// past the kernel's driver aren't.
+[[nodiscard]] bool is_serial(std::string_view text);
+
 }  // namespace odoless

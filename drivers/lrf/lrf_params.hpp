@@ -66,9 +66,10 @@ struct LrfParams {
     visit.text("device", self.device,
                "Where the laser is: a path, tcp://ADDRESS:PORT (numbers, no name), or usb://VENDOR:PRODUCT[/SERIAL].");
     visit.text("channel", self.channel, "Channel of the scans (planar_lidar_t) for the driver lcm.");
-    visit.value("baud", self.baud, Range{0, 4'000'000},
-                "Rate of the serial line, which Hokuyo and SICK lasers are switched to; 0: the one that the laser has "
-                "(USB has none).");
+    visit.value(
+        "baud", self.baud, Range{0, 4'000'000},
+        "Rate of the serial line, which Hokuyo and SICK lasers are switched to; 0: the one that the laser has "
+        "(USB has none). Of a SICK or RPLIDAR on tcp:// or usb://: what the far end's line has, for the stamps.");
     visit.choice("reading", self.reading, kLrfReadingNames, "What the laser sends of each beam.");
     visit.value("cluster", self.cluster, Range{1, 99}, "Neighbouring beams that the laser joins to one, the nearest.");
     visit.value("skip", self.skip, Range{0, 9}, "Scans that the laser leaves out after each one that it sends.");

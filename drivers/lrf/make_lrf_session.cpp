@@ -11,18 +11,16 @@ namespace odoless {
 
 std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_max) {
   ODOLESS_CHECK(parameters_in_range(params));
-  LrfParams fitting = params;
-  if (const auto address = parse_device_address(params.device);
-      address.ok() && !std::holds_alternative<SerialAddress>(address.value())) {
-    fitting.baud = 0;  // the line has no rate, so the device isn't to be told one
-  }
-  switch (fitting.driver) {
-    case LrfDriver::kScip:
+  switch (params.driver) {
+    case LrfDriver::kScip: {
+      LrfParams fitting = params;
+      fitting.baud = is_serial(params.device) ? params.baud : 0;  // USB and networks are Hokuyo's own: without a rate
       return std::make_unique<ScipSession>(fitting, beams_max);
+    }
     case LrfDriver::kSick:
-      return std::make_unique<SickSession>(fitting, beams_max);
+      return std::make_unique<SickSession>(params, beams_max);
     case LrfDriver::kRplidar:
-      return std::make_unique<RplidarSession>(fitting, beams_max);
+      return std::make_unique<RplidarSession>(params, beams_max);
     case LrfDriver::kLcm:
       break;
   }

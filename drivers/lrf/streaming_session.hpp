@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "drivers/io/device_address.hpp"
 #include "drivers/lrf/lrf_params.hpp"
 #include "drivers/lrf/lrf_session.hpp"
 
@@ -34,14 +35,17 @@ class StreamingSession : public LrfSession {
     }
   }
 
-  [[nodiscard]] int line_baud() const final { return bring_up_.line_baud(); }
+  [[nodiscard]] int line_baud() const final { return sets_rate_ ? bring_up_.line_baud() : 0; }
   [[nodiscard]] bool ready() const final { return bring_up_.done(); }
   [[nodiscard]] const LrfGeometry& geometry() const final { return stream_.geometry(); }
   [[nodiscard]] const LrfCounters& counters() const final { return counters_; }
 
  protected:
   StreamingSession(const LrfParams& params, int beams_max)
-      : stream_(params, beams_max), bring_up_(params, stream_), stall_timeout_ns_(params.stall_timeout_ns) {}
+      : stream_(params, beams_max),
+        bring_up_(params, stream_),
+        sets_rate_(is_serial(params.device)),
+        stall_timeout_ns_(params.stall_timeout_ns) {}
 
   /// Forgets what was half received; no stream runs now.
   virtual void forget_received() = 0;
@@ -83,6 +87,7 @@ class StreamingSession : public LrfSession {
   Stream stream_;
   BringUp bring_up_;
   LrfCounters counters_;
+  bool sets_rate_;  ///< of the line; at the far end of a network it is the server's
   std::int64_t stall_timeout_ns_;
   std::int64_t last_scan_ns_ = 0;
   std::uint64_t stream_device_errors_ = 0;

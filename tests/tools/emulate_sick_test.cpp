@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "drivers/lrf/sick/sick_session.hpp"
 #include "drivers/lrf/sick/telegram.hpp"
 #include "tests/tools/emulate_stream.hpp"
 #include "tools/emulate/sick_device.hpp"
@@ -103,6 +104,92 @@ TEST(SickSession, WritesItsConfigurationOnlyWhenItMust) {
     }
     EXPECT_EQ(device_of(bench).writes(), unit == SickUnit::kMm ? 1 : 0);
     expect_scans_true(bench, params, 2 * kMs);
+  }
+}
+
+TEST(SickSession, OnlyAskedLeavesADeviceAsItIs) {
+  const std::string streams = request("\x20\x24");
+  for (const auto& [model, variant] :
+       {std::pair("lms200", SickVariant::k180By1), std::pair("lms291", SickVariant::k180ByHalf),
+        std::pair("lms291-quarter", SickVariant::k100ByQuarter)}) {
+    for (const auto& [before, baud] :
+         {std::pair(std::string(), 9600), std::pair(streams, 9600), std::pair(request("\x20\x40"), 38400),
+          std::pair(request("\x20\x48") + streams, 500000)}) {
+      Bench bench(model, {}, sick_params(0, SickVariant::k100By1));
+      auto& session = static_cast<SickSession&>(bench.session());
+      session.only_ask();
+      bench.say(before);
+      bench.run(500 * kMs);
+      bench.reset();
+      for (int i = 0; i < 500 && !session.ready(); ++i) {
+        bench.run(10 * kMs);
+      }
+      ASSERT_TRUE(session.ready()) << model;
+      EXPECT_EQ(session.found().variant, variant);
+      EXPECT_EQ(session.found().unit, SickUnit::kCm);
+      EXPECT_TRUE(session.found().is_usual_mode);
+      EXPECT_EQ(session.geometry().beams, sick::variant_of(variant).beams());
+      EXPECT_NEAR(session.geometry().range_max_m, 81.83, 1e-9) << "of cm";
+      EXPECT_EQ(session.line_baud(), baud);
+      EXPECT_EQ(device_of(bench).writes(), 0);
+      for (const std::string& change :
+           {request(std::string("\x20\x00SICK_LMS", 10)), std::string("\x3B\x64"), streams, request("\x10")}) {
+        EXPECT_EQ(bench.written().find(change), std::string::npos);
+      }
+    }
+  }
+}
+
+TEST(SickSession, OnlyAskedTellsWhatWasWrittenBefore) {
+  Bench bench("lms291", {}, sick_params(500000, SickVariant::k100By1));  // in mm
+  bench.reset();
+  bench.run(3 * kSecond);
+  ASSERT_EQ(device_of(bench).writes(), 1);
+  auto& session = static_cast<SickSession&>(bench.session());
+  session.only_ask();
+  bench.reset();
+  bench.run(300 * kMs);
+  ASSERT_TRUE(session.ready());
+  EXPECT_EQ(session.found().variant, SickVariant::k100By1);
+  EXPECT_EQ(session.found().unit, SickUnit::kMm);
+  EXPECT_TRUE(session.found().is_usual_mode);
+  EXPECT_EQ(device_of(bench).writes(), 1);
+}
+
+// The rate of a serial device server is the server's: line and laser are left alone, and `baud` says what it is.
+TEST(SickSession, StampsAreRightOverADeviceServer) {
+  for (const auto& [baud, command] :
+       {std::pair(9600, "\x20\x42"), std::pair(38400, "\x20\x40"), std::pair(500000, "\x20\x48")}) {
+    SCOPED_TRACE(baud);
+    LrfParams params = sick_params(baud);
+    params.device = "tcp://127.0.0.1:4001";
+    Bench bench("lms291", {}, params);
+    bench.say(request(command));
+    bench.reset();
+    bench.run(8 * kSecond);
+    EXPECT_TRUE(bench.session().ready());
+    EXPECT_EQ(bench.session().line_baud(), 0) << "or its owner would set it";
+    EXPECT_GE(bench.heard().scans.size(), 5U);
+    EXPECT_EQ(bench.session().counters().restarts, 0U);
+    EXPECT_EQ(bench.written().find(request(command)), std::string::npos);
+    expect_scans_true(bench, params, 2 * kMs);
+  }
+}
+
+TEST(SickSession, StreamsOverADeviceServerOfUnknownRateWithLateStamps) {
+  for (const auto& [baud, command] : {std::pair(9600, "\x20\x42"), std::pair(38400, "\x20\x40")}) {
+    LrfParams params = sick_params(0);
+    params.device = "tcp://127.0.0.1:4001";
+    Bench bench("lms291", {}, params);
+    bench.say(request(command));
+    bench.reset();
+    bench.run(8 * kSecond);
+    EXPECT_EQ(bench.session().counters().restarts, 0U) << "a slow line is no stall";
+    ASSERT_GE(bench.heard().scans.size(), 5U);
+    ASSERT_EQ(bench.heard().scans.size(), bench.sent().size());
+    const std::int64_t transfer_ns = 732 * 10 * kSecond / baud;
+    const std::int64_t late_ns = bench.heard().scans.back().stamp_ns - bench.sent().back().first_beam_ns;
+    EXPECT_NEAR(static_cast<double>(late_ns), static_cast<double>(transfer_ns), 2.0 * kMs);
   }
 }
 

@@ -78,6 +78,7 @@ class Bench {
   Bench(const std::string& model, std::unique_ptr<ScanSource> source, EmulatedLrfOptions options, LrfParams params)
       : name_(model),
         source_(std::move(source)),
+        has_rate_(!params.device.starts_with("tcp://")),
         device_(make_emulated_lrf(model, *source_, std::move(options), now_ns_)),
         session_(make_lrf_session(params, 2048)) {}
 
@@ -112,7 +113,7 @@ class Bench {
   void step() {
     const auto request = session_->transmit();
     written_.append(reinterpret_cast<const char*>(request.data()), request.size());
-    device_->set_line_baud(session_->line_baud());
+    device_->set_line_baud(has_rate_ ? session_->line_baud() : 0);
     device_->receive({reinterpret_cast<const char*>(request.data()), request.size()}, now_ns_);
     device_->tick(now_ns_);
     for (SentBytes& bytes : device_->take_output()) {
@@ -132,6 +133,7 @@ class Bench {
   std::int64_t now_ns_ = 1000 * kSecond;
   std::string name_;
   std::unique_ptr<ScanSource> source_;
+  bool has_rate_;  ///< nobody can set that of a socket
   std::unique_ptr<EmulatedLrf> device_;
   std::unique_ptr<LrfSession> session_;
   Heard heard_;

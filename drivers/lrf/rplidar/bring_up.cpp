@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "drivers/io/device_address.hpp"
+
 namespace odoless::rplidar {
 namespace {
 
@@ -38,7 +40,9 @@ int usual_duty(std::span<const std::byte> info) {
 }  // namespace
 
 BringUp::BringUp(const LrfParams& params, ScanStream& stream)
-    : params_(params), stream_(stream), line_baud_(params.baud == 0 ? kRatesBaud[0] : params.baud) {}
+    : params_(params),
+      stream_(stream),
+      line_baud_(params.baud == 0 && is_serial(params.device) ? kRatesBaud[0] : params.baud) {}
 
 void BringUp::start(std::int64_t now_ns, bool with_reset) {
   silent_step_ = Step::kDone;
@@ -106,7 +110,7 @@ void BringUp::tell_silence(LrfSink& sink) {
 }
 
 void BringUp::next_rate() {
-  if (params_.baud == 0 && !rate_is_known_) {
+  if (params_.baud == 0 && line_baud_ != 0 && !rate_is_known_) {
     rates_tried_ = (rates_tried_ + 1) % static_cast<int>(kRatesBaud.size());
     line_baud_ = kRatesBaud[static_cast<std::size_t>(rates_tried_)];
   }

@@ -1,16 +1,19 @@
 #include "drivers/lrf/sick/bring_up.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
+
+#include "drivers/io/device_address.hpp"
 
 namespace odoless::sick {
 namespace {
 
+/// The status takes 174 ms at 9600 baud, its request included, after up to 60 ms of thinking; others wait as long.
+constexpr std::int64_t kLongReplyNs = 1'000'000'000;
 constexpr std::int64_t kModeNs = 3'000'000'000;    ///< the device may take this long to change its mode
 constexpr std::int64_t kWriteNs = 15'000'000'000;  ///< ... to write its configuration
 constexpr std::int64_t kHeardNs = 1'000'000'000;   ///< a scan on its way at 9600 baud holds an answer up
-/// The status takes 174 ms at 9600 baud, its request included, after up to 60 ms of thinking; others wait as long.
-constexpr std::int64_t kLongReplyNs = 1'000'000'000;
 constexpr std::int64_t kSettleNs = 100'000'000;    ///< from the answer to the new rate
 constexpr std::int64_t kPauseNs = 1'000'000'000;   ///< before a broken device is asked again
 constexpr int kNaksMax = 3;
@@ -34,12 +37,28 @@ constexpr int kInstallationMode = 0x00;
 constexpr int kContinuousMode = 0x24;
 constexpr int kRequestMode = 0x25;
 
+// Of the status's data.
+constexpr std::size_t kFieldOfView = 106;
+constexpr std::size_t kResolution = 108;
+
 // Of the configuration's data.
 constexpr std::size_t kMeasuringMode = 5;
 constexpr std::size_t kUnit = 6;
 
 constexpr int kFatal = 4;
 int severity(const Telegram& telegram) { return telegram.status() & 0x07; }
+
+std::optional<SickVariant> variant_named(unsigned field_of_view_deg, unsigned step_cdeg) {
+  for (const SickVariant name : {SickVariant::k180By1, SickVariant::k180ByHalf, SickVariant::k100By1,
+                                 SickVariant::k100ByHalf, SickVariant::k100ByQuarter}) {
+    const Variant variant = variant_of(name);
+    if (variant.field_of_view_cdeg == static_cast<int>(field_of_view_deg) * 100 &&
+        variant.step_cdeg == static_cast<int>(step_cdeg)) {
+      return name;
+    }
+  }
+  return {};
+}
 
 std::byte measuring_mode_of(SickUnit unit) { return unit == SickUnit::kMm ? std::byte{0x06} : std::byte{0x00}; }
 std::byte unit_code_of(SickUnit unit) { return unit == SickUnit::kMm ? std::byte{0x01} : std::byte{0x00}; }
@@ -48,9 +67,10 @@ std::byte unit_code_of(SickUnit unit) { return unit == SickUnit::kMm ? std::byte
 
 BringUp::BringUp(const LrfParams& params, ScanStream& stream)
     : params_(params),
+      sets_rate_(is_serial(params.device)),
       stream_(stream),
-      line_baud_(params.baud == 0 ? kRates[0].baud : params.baud),
-      wished_baud_(params.baud) {}
+      line_baud_(params.baud == 0 && sets_rate_ ? kRates[0].baud : params.baud),
+      wished_baud_(sets_rate_ ? params.baud : 0) {}
 
 void BringUp::start(std::int64_t now_ns, bool with_reset) {
   silence_told_ = false;
@@ -61,6 +81,7 @@ void BringUp::start(std::int64_t now_ns, bool with_reset) {
 std::int64_t BringUp::patience_ns(Step step) const {
   switch (step) {
     case Step::kStop:
+      return params_.reply_timeout_ns;
     case Step::kAskStatus:
     case Step::kAskConfiguration:
       return std::max(params_.reply_timeout_ns, kLongReplyNs);
@@ -81,7 +102,6 @@ void BringUp::send_request_of(Step step) {
   const auto put = [&](auto... values) { ((payload[size++] = static_cast<std::byte>(values)), ...); };
   switch (step) {
     case Step::kReset:
-      return params_.reply_timeout_ns;
       put(kReset);
       break;
     case Step::kStop:
@@ -141,12 +161,15 @@ void BringUp::fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink&
   sink.on_event({.type = is_device_error ? LrfEventType::kDeviceError : LrfEventType::kRejected,
                  .reason = reason,
                  .device_status = device_status});
-  reset_is_due_ = is_device_error;
+  reset_is_due_ = is_device_error && !only_asks_;
   enter(Step::kPause, now_ns);
 }
 
 void BringUp::next_rate() {
   deaf_rounds_ = 0;
+  if (!sets_rate_) {
+    return;
+  }
   const auto count = static_cast<int>(kRates.size());
   const bool tries_wished = rates_tried_ == count;
   line_baud_ =
@@ -224,8 +247,7 @@ void BringUp::on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& 
       deaf_rounds_ = 0;
       return enter(Step::kAskStatus, now_ns);
     case Step::kAskStatus:
-      return severity(telegram) >= kFatal ? fail(Errc::kDeviceStatus, telegram.status(), now_ns, sink)
-                                          : enter(Step::kAskConfiguration, now_ns);
+      return on_status(telegram, now_ns, sink);
     case Step::kAskConfiguration:
       return on_configuration(telegram, now_ns, sink);
     case Step::kConfigure:
@@ -256,10 +278,39 @@ void BringUp::on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& 
   }
 }
 
+void BringUp::on_status(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink) {
+  if (severity(telegram) >= kFatal) {
+    return fail(Errc::kDeviceStatus, telegram.status(), now_ns, sink);
+  }
+  if (only_asks_) {
+    const std::span<const std::byte> data = telegram.data();
+    if (data.size() < kResolution + 2) {
+      return fail(Errc::kFrameTruncated, -1, now_ns, sink);
+    }
+    const std::optional<SickVariant> variant = variant_named(number(data[kFieldOfView], data[kFieldOfView + 1]),
+                                                             number(data[kResolution], data[kResolution + 1]));
+    if (!variant) {
+      return fail(Errc::kFrameMalformed, -1, now_ns, sink);
+    }
+    found_.variant = *variant;
+  }
+  enter(Step::kAskConfiguration, now_ns);
+}
+
 void BringUp::on_configuration(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink) {
   const std::span<const std::byte> data = telegram.data();
   if (data.size() < kUnit + 1) {
     return fail(Errc::kFrameTruncated, -1, now_ns, sink);
+  }
+  if (only_asks_) {
+    found_.unit = data[kUnit] == unit_code_of(SickUnit::kMm) ? SickUnit::kMm : SickUnit::kCm;
+    found_.is_usual_mode = data[kMeasuringMode] == measuring_mode_of(found_.unit);
+    stream_.take_over(found_.variant, found_.unit);
+    if (const Errc error = stream_.configure(line_baud_); error != Errc::kOk) {
+      return fail(error, -1, now_ns, sink);
+    }
+    step_ = Step::kDone;
+    return;
   }
   configuration_ = {};
   std::copy_n(data.begin(), std::min(data.size(), configuration_.size()), configuration_.begin());

@@ -12,6 +12,13 @@
 
 namespace odoless::sick {
 
+/// What a device is set to.
+struct Found {
+  SickVariant variant = SickVariant::k180ByHalf;
+  SickUnit unit = SickUnit::kMm;
+  bool is_usual_mode = true;  ///< nothing would have to be written to its memory for that unit
+};
+
 /// The ritual that takes a device from any state to a stream of scans:
 ///
 ///   1. end whatever stream runs; no answer: the next line rate, and anew;
@@ -22,11 +29,16 @@ namespace odoless::sick {
 ///   5. where another line rate is wished for: switch the device and the line;
 ///   6. start the stream.
 ///
+/// A line whose rate isn't ours to set (a serial device server's) keeps it, and so does the device.
 /// Every answer that doesn't come or isn't understood leads back to 1; a device that is broken is reset.
 /// Thread: one thread. Real time: no allocation.
 class BringUp {
  public:
   BringUp(const LrfParams& params, ScanStream& stream);
+
+  /// From now on it ends with the answer of step 3, and leaves the device as `found` says, without a stream.
+  void only_ask() { only_asks_ = true; }
+  [[nodiscard]] const Found& found() const { return found_; }
 
   /// From the first step. `with_reset`: the device is told to reset first.
   void start(std::int64_t now_ns, bool with_reset);
@@ -67,11 +79,15 @@ class BringUp {
   void fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink& sink);
   [[nodiscard]] bool answers(const Telegram& telegram) const;
   void on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
+  void on_status(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
   void on_configuration(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
   void on_variant_set(std::int64_t now_ns, LrfSink& sink);
   void next_rate();
 
   LrfParams params_;
+  bool sets_rate_;  ///< of line and device
+  bool only_asks_ = false;
+  Found found_;
   ScanStream& stream_;
   Step step_ = Step::kPause;
   std::int64_t deadline_ns_ = 0;

@@ -11,6 +11,7 @@ namespace {
 constexpr double kRadPerCdeg = std::numbers::pi / 18000.0;
 constexpr std::int64_t kBitsPerByte = 10;  ///< with start and stop bit
 constexpr std::size_t kHeaderBytes = 2;
+constexpr int kSlowestBaud = 9600;
 
 double to_float_precision(double value) {
   const volatile auto rounded = static_cast<float>(value);  // volatile: see scip/scan_stream.cpp
@@ -43,14 +44,20 @@ Variant variant_of(SickVariant name) {
 ScanStream::ScanStream(const LrfParams& params, int beams_max)
     : variant_(variant_of(params.sick_variant)), unit_(params.sick_unit), buffer_(beams_max) {}
 
+void ScanStream::take_over(SickVariant variant, SickUnit unit) {
+  variant_ = variant_of(variant);
+  unit_ = unit;
+}
+
 Errc ScanStream::configure(int line_baud) {
   if (variant_.beams() > buffer_.beams_max()) {
     return Errc::kTooManyBeams;
   }
   const auto bytes = static_cast<std::int64_t>(kHeadBytes + variant_.payload_bytes() + kSumBytes);
-  const std::int64_t transfer_ns = line_baud == 0 ? 0 : bytes * kBitsPerByte * 1'000'000'000 / line_baud;
+  // An unknown line may take its time: no stall before the slowest would have carried a scan.
+  const std::int64_t transfer_ns = bytes * kBitsPerByte * 1'000'000'000 / (line_baud == 0 ? kSlowestBaud : line_baud);
   const std::int64_t swept_ns = kTurnNs * variant_.field_of_view_cdeg / 36000;
-  way_ns_ = (variant_.turns() - 1) * kTurnNs + swept_ns + transfer_ns;
+  way_ns_ = (variant_.turns() - 1) * kTurnNs + swept_ns + (line_baud == 0 ? 0 : transfer_ns);
   // While a telegram is on its way, the scans that become complete are left out.
   const std::int64_t turns = std::max<std::int64_t>(variant_.turns(), (transfer_ns + kTurnNs - 1) / kTurnNs);
   geometry_ = {.beams = variant_.beams(),

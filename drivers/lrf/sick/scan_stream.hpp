@@ -38,7 +38,11 @@ class ScanStream {
  public:
   ScanStream(const LrfParams& params, int beams_max);
 
-  /// Fits the stamps to a line rate. Errc::kTooManyBeams: more than there is memory for.
+  /// The device is set otherwise than wished for, and that is to hold.
+  void take_over(SickVariant variant, SickUnit unit);
+
+  /// Fits the stamps to a line rate. 0: unknown, so that stamps are late by the time that the line takes.
+  /// Errc::kTooManyBeams: more than there is memory for.
   [[nodiscard]] Errc configure(int line_baud);
 
   [[nodiscard]] const Variant& variant() const { return variant_; }

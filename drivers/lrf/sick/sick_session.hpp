@@ -16,6 +16,11 @@ class SickSession final : public StreamingSession<sick::ScanStream, sick::BringU
   /// @param beams_max  Most beams of a scan; a variant that has more is refused with Errc::kTooManyBeams.
   SickSession(const LrfParams& params, int beams_max);
 
+  /// From the next `reset` on, the device is only asked what it is set to, and keeps it: no write, no other variant or
+  /// rate, no stream. `ready` is when `found` is known.
+  void only_ask() { bring_up().only_ask(); }
+  [[nodiscard]] const sick::Found& found() { return bring_up().found(); }
+
   void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, LrfSink& sink) override;
   [[nodiscard]] std::span<const std::byte> transmit() override { return bring_up().take_request(); }
 

@@ -24,6 +24,13 @@ TEST(DeviceAddress, UsbHasHexadecimalNumbersAndPerhapsASerialNumber) {
             (UsbAddress{.vendor = 0x0403, .product = 0x6001, .serial = "A/7"}));
 }
 
+TEST(DeviceAddress, OnlyASerialLineHasARateOfOurs) {
+  EXPECT_TRUE(is_serial("/dev/ttyS0"));
+  EXPECT_FALSE(is_serial("tcp://192.168.0.10:4001"));
+  EXPECT_FALSE(is_serial("usb://0403:6001"));
+  EXPECT_FALSE(is_serial("tcp://laser"));
+}
+
 TEST(DeviceAddress, RefusesWhatIsNeither) {
   for (const char* const wrong :
        {"", "tcp://", "tcp://laser:1", "tcp://1.2.3.4", "tcp://1.2.3.4:0", "tcp://1.2.3.4:65536", "tcp://1.2.3.4:-1",
