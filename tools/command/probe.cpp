@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/io/device_address.hpp"
 #include "tools/command/error.hpp"
 #include "tools/probe/ask_lrf.hpp"
 #include "tools/probe/connected.hpp"
@@ -28,23 +29,54 @@ struct ProbeOptions {
   double patience_s = 3.0;
 };
 
-std::string sentence_of(const LrfGeometry& geometry) {
+std::string sentence_of(const LrfAnswer& answer) {
   constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-  return fmt::format("{} beams over {:.1f} deg, {:.2f} to {:.1f} m, {:.1f} Hz", geometry.beams,
+  const LrfGeometry& geometry = answer.geometry;
+  const bool rate_is_known = answer.params.driver != LrfDriver::kSick || answer.params.baud != 0;
+  return fmt::format("{} beams over {:.1f} deg, {:.2f} to {:.1f} m, {:.1f} Hz{}", geometry.beams,
                      (geometry.beams - 1) * std::abs(geometry.angle_step_rad) * kDegPerRad, geometry.range_min_m,
-                     geometry.range_max_m, 1e9 / static_cast<double>(geometry.period_ns));
+                     geometry.range_max_m, 1e9 / static_cast<double>(geometry.period_ns),
+                     rate_is_known ? "" : " or more");
 }
 
-/// A protocol that a laser is asked in.
+/// A protocol that a laser is asked in, and the rate that it is asked for.
 struct Protocol {
   LrfDriver driver;
   const char* name;
+  int baud = 0;
 };
 constexpr Protocol kScip{LrfDriver::kScip, "SCIP (Hokuyo)"};
 /// In this order: SCIP's questions are plain text, an RPLIDAR answers within its first scan, and a SICK's rate must be
-/// searched for.
-constexpr std::array kProtocols{kScip, Protocol{LrfDriver::kRplidar, "RPLIDAR's protocol"},
+/// searched for. A Hokuyo on USB has no rate; only one that is asked for a rate is searched for at all of them.
+constexpr std::array kProtocols{kScip, Protocol{LrfDriver::kScip, "SCIP at the rates of RS-232", 115200},
+                                Protocol{LrfDriver::kRplidar, "RPLIDAR's protocol"},
                                 Protocol{LrfDriver::kSick, "SICK's telegrams"}};
+
+/// @param alternative  Another address of the same laser; empty: none.
+void print_configuration(const LrfAnswer& answer, const std::string& alternative) {
+  const LrfParams& params = answer.params;
+  fmt::print("[lrf]\ndriver = \"{}\"\ndevice = \"{}\"\n", kLrfDriverNames[static_cast<std::size_t>(params.driver)],
+             params.device);
+  if (!alternative.empty()) {
+    fmt::print("# or, past the kernel's driver: device = \"{}\"\n", alternative);
+  }
+  if (params.baud != 0) {
+    fmt::print("baud = {}\n", params.baud);
+  }
+  if (params.driver != LrfDriver::kSick) {
+    return;
+  }
+  if (params.baud == 0) {
+    fmt::print(
+        "# baud = 9600, or what the far end's line has: without it, stamps are late by the time a scan takes on it\n");
+  }
+  fmt::print("sick_variant = \"{}\"\nsick_unit = \"{}\"\n",
+             kSickVariantNames[static_cast<std::size_t>(params.sick_variant)],
+             kSickUnitNames[static_cast<std::size_t>(params.sick_unit)]);
+  if (answer.is_to_be_written) {
+    fmt::print("# its measuring mode is another than the daemon's, which writes it to the laser's memory once\n");
+  }
+}
 
 /// Asks the laser at that address in one protocol and prints its configuration. @return  kOk, or why there is none.
 Errc ask(const std::string& address, const Protocol& protocol, const ProbeOptions& options,
@@ -52,28 +84,31 @@ Errc ask(const std::string& address, const Protocol& protocol, const ProbeOption
   LrfParams params;
   params.driver = protocol.driver;
   params.device = address;
-  params.baud = options.baud;
-  const Result<LrfGeometry> answer = ask_lrf(params, std::llround(options.patience_s * 1e9));
-  if (!answer.ok()) {
-    fmt::print("#   no laser that speaks {} answers: {}\n", protocol.name, describe(answer.error()));
-    return answer.error();
+  params.baud = options.baud != 0 ? options.baud : protocol.baud;
+  const Result<LrfAnswer> asked = ask_lrf(params, std::llround(options.patience_s * 1e9));
+  if (!asked.ok()) {
+    fmt::print("#   no laser that speaks {} answers: {}\n", protocol.name, describe(asked.error()));
+    return asked.error();
   }
-  fmt::print("#   a laser that speaks {}: {}\n[lrf]\ndriver = \"{}\"\ndevice = \"{}\"\n", protocol.name,
-             sentence_of(answer.value()), kLrfDriverNames[static_cast<std::size_t>(protocol.driver)], address);
-  if (options.baud != 0) {
-    fmt::print("baud = {}\n", options.baud);
+  const LrfAnswer& answer = asked.value();
+  if (answer.has_scanned) {
+    fmt::print("#   a laser that speaks {}: {}\n", protocol.name, sentence_of(answer));
+  } else {
+    fmt::print("#   a laser that speaks {}: it answers, but no scan came within {} s; does its motor turn?\n",
+               protocol.name, options.patience_s);
   }
-  if (!alternative.empty()) {
-    fmt::print("# or, past the kernel's driver: device = \"{}\"\n", alternative);
-  }
+  print_configuration(answer, alternative);
   return Errc::kOk;
 }
 
 /// Asks in one protocol after the other, until an answer comes. @return  Whether one did.
 bool ask_all(const std::string& address, const ProbeOptions& options) {
+  const bool rate_is_wanted = options.baud == 0 && is_serial(address);
   Errc error = Errc::kDeviceSilent;
-  for (std::size_t i = 0; i < kProtocols.size() && error == Errc::kDeviceSilent; ++i) {
-    error = ask(address, kProtocols.at(i), options, "");  // a line that cannot be opened is asked once
+  for (const Protocol& protocol : kProtocols) {
+    if (error == Errc::kDeviceSilent && (protocol.baud == 0 || rate_is_wanted)) {
+      error = ask(address, protocol, options, "");  // a line that cannot be opened is asked once
+    }
   }
   return error == Errc::kOk;
 }
@@ -131,8 +166,11 @@ void add_probe(CLI::App& app) {
   command->add_option("ADDRESS", options->addresses,
                       "Ask these instead, in every protocol: paths, tcp://ADDRESS:PORT, usb://VENDOR:PRODUCT[/SERIAL]");
   command->add_flag("--quiet", options->quiet, "Send nothing to any device");
-  command->add_option("--baud", options->baud, "Rate of serial lines")->check(CLI::Range(0, 4'000'000));
-  command->add_option("--patience-s", options->patience_s, "How long a laser may take to answer, in each protocol")
+  command->add_option("--baud", options->baud, "Rate of serial lines; 0: searched for")
+      ->check(CLI::Range(0, 4'000'000));
+  command
+      ->add_option("--patience-s", options->patience_s,
+                   "How long a laser may take to answer in each protocol, and then to its first scan")
       ->check(CLI::Range(0.1, 60.0))
       ->capture_default_str();
   command->callback([options] { run(*options); });
