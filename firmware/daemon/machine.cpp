@@ -46,7 +46,7 @@ Machine::Machine(DaemonOptions& options)
   sensor_loop_ = std::make_unique<SensorLoop>(pipeline_, *source_, *intake_, clock_, kSensorBudget_ns);
   if (options.params.tilt.driver != TiltDriver::kNone && has_matcher(stages_) && source_->is_live()) {
     tilt_ = std::make_unique<TiltSource>(options.params.tilt, tilt_line_);
-    tilt_->obey_stop(gpio_signals_.stopped);
+    tilt_->obey_stop(gpio_signals_);
     sensor_loop_->attach(*tilt_);
     intake_->attach(*tilt_);
   }
@@ -62,7 +62,7 @@ Machine::Machine(DaemonOptions& options)
       filter_loop_->tell_path();
     }
   }
-  if (!is_replay_) {
+  if (reads_laser_) {
     gpio_thread_ =
         std::make_unique<GpioThread>(options.params.gpio, gpio_signals_, clock_, pipeline_.sensor.wake, pipeline_.gpio);
   }
@@ -73,7 +73,6 @@ std::unique_ptr<ScanSource> Machine::make_source(DaemonOptions& options) {
   const Channels channels(params.lcm.prefix);
   const int beams_max = params.robot.scan.beams_max;
   if (options.source) {
-    is_replay_ = true;
     return std::move(options.source);
   }
   if (!has_matcher(stages_)) {

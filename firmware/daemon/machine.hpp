@@ -66,7 +66,6 @@ class Machine {
   GpioSignals gpio_signals_;
   LineHandover tilt_line_;
   bool reads_laser_ = false;
-  bool is_replay_ = false;
   std::unique_ptr<ScanSource> source_;
   std::unique_ptr<TiltSource> tilt_;
   std::unique_ptr<Intake> intake_;

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "drivers/io/device_line.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
@@ -218,12 +219,21 @@ bool Supervisor::watch() {
 
 void Supervisor::follow_gpio() {
   GpioSignals& gpio = machine_.gpio();
-  if (const bool stopped = gpio.stopped; stopped != surroundings_.stopped) {
+  const std::int64_t now_ns = machine_.clock().now_ns();
+  const bool silent = gpio.is_silent(now_ns);
+  if (silent != std::exchange(gpio_silent_, silent)) {
+    log_line(EventPriority::kError,
+             silent
+                 ? "GPIO: a line does not answer (a stuck bus, or gpio.priority is too low): gpio.stop_line counts as "
+                   "pressed until it does"
+                 : "GPIO: its lines answer again");
+  }
+  if (const bool stopped = gpio.is_stopped(now_ns); stopped != surroundings_.stopped) {
     surroundings_.stopped = stopped;
     log_line(EventPriority::kWarning,
-             stopped ? "emergency stop: pressed, or its line is lost" : "emergency stop: released");
+             stopped ? "emergency stop: pressed, or its line is lost or not read" : "emergency stop: released");
   }
-  if (const bool lost = gpio.line_lost || gpio.sync_missing; lost != surroundings_.gpio_lost) {
+  if (const bool lost = gpio.line_lost || gpio.sync_missing || silent; lost != surroundings_.gpio_lost) {
     surroundings_.gpio_lost = lost;
     log_line(EventPriority::kWarning,
              lost ? "GPIO: a line cannot be used, or the sync pulse is missing ([gpio])" : "GPIO: all lines are there");

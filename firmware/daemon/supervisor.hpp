@@ -59,6 +59,7 @@ class Supervisor {
   Errc tilt_error_ = Errc::kOk;
   std::int64_t next_watch_ns_ = 0;
   std::int64_t silent_ns_ = 0;
+  bool gpio_silent_ = false;
   std::int64_t power_cycles_ = 0;
 };
 

@@ -14,7 +14,8 @@ enum class PinEdge : std::uint8_t { kRising, kFalling };
 inline constexpr const char* kPinEdgeNames[] = {"rising", "falling"};
 
 /// What is wired to the machine's GPIO lines. A line is named CHIP:OFFSET ("gpiochip0:17"), or by its own name; empty:
-/// it isn't there.
+/// it isn't there. The daemon that reads the laser serves them, and no other: it alone knows whether scans come, it
+/// moves the servo, and a line can be had once, also where two halves share a machine and a file.
 struct GpioParams {
   std::string stop_line;
   PinLevel stop_level = PinLevel::kLow;
@@ -35,7 +36,9 @@ struct GpioParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.text("stop_line", self.stop_line, "Input of the emergency stop: CHIP:OFFSET or a line's name; empty: none.");
+    visit.text("stop_line", self.stop_line,
+               "Input of the emergency stop: CHIP:OFFSET or a line's name; empty: none. [gpio] is served by the "
+               "daemon that reads the laser itself: not with lrf.driver = \"lcm\", nor by the filter's half.");
     visit.choice("stop_level", self.stop_level, kPinLevelNames,
                  "Level that means stop; the line is pulled there, so that a broken wire is a stop.");
     visit.text("sync_line", self.sync_line, "Input of the laser's pulse, one per turn of its mirror; empty: none.");
@@ -51,7 +54,8 @@ struct GpioParams {
     visit.text("led_line", self.led_line, "Output of the status light; empty: none.");
     visit.choice("led_level", self.led_level, kPinLevelNames, "Level at which it shines.");
     visit.value("priority", self.priority, Range{0, 98},
-                "Priority (SCHED_FIFO) of the thread that serves these lines; 0: an ordinary thread.");
+                "Priority (SCHED_FIFO) of the thread that serves these lines; 0: an ordinary thread. Held up for 60 ms "
+                "it is a stop, where there is a stop_line.");
   }
 };
 

@@ -60,14 +60,19 @@ GpioThread::GpioThread(const GpioParams& params, GpioSignals& signals, const Mon
       recorder_(outbox),
       power_(params.power_cycle_after_ns, params.power_off_ns, clock.now_ns()),
       thread_({.name = "odo-gpio", .priority = params.priority}) {
-  signals_.stopped = !params_.stop_line.empty();
+  signals_.has_stop_line = !params_.stop_line.empty();
+  signals_.stopped = signals_.has_stop_line;
   signals_.line_lost = params_.is_used();
 }
 
 GpioThread::~GpioThread() { ending_.request(); }
 
 int GpioThread::start() {
-  return params_.is_used() ? thread_.start([this] { run(); }) : 0;
+  if (!params_.is_used()) {
+    return 0;
+  }
+  signals_.round_ns = clock_.now_ns();
+  return thread_.start([this] { run(); });
 }
 
 void GpioThread::run() {
@@ -79,6 +84,7 @@ void GpioThread::run() {
     serve_stop(now_ns);
     serve_outputs(now_ns);
     signals_.line_lost = !has_all_lines();
+    signals_.round_ns.store(now_ns, std::memory_order_release);
   }
   if (led_line_) {
     static_cast<void>(led_line_->set(!is_high(params_.led_level)));

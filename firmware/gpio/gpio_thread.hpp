@@ -20,8 +20,9 @@ namespace odoless {
 /// the lines, and opens them again when their chip was gone.
 ///
 /// The stop is fail-safe: edges only wake the thread, the level decides, and is read every 20 ms besides; a line that
-/// cannot be read is a stop, and a stop ends when its line has been good for 100 ms. In the end power is left on and
-/// the light is put out. What is on the lines goes to the record.
+/// cannot be read is a stop, and a stop ends when its line has been good for 100 ms. A call on a line may hang, as on a
+/// bus that is stuck: `GpioSignals::round_ns` tells it. In the end power is left on and the light is put out. What is
+/// on the lines goes to the record.
 ///
 /// Thread: that of the supervisor. The thread inside is woken by priority but allocates while it opens lines.
 class GpioThread {

@@ -41,7 +41,7 @@ void TiltSource::return_line() {
 }
 
 void TiltSource::obey(std::int64_t now_ns) {
-  const bool stopped = stopped_ != nullptr && stopped_->load(std::memory_order_acquire);
+  const bool stopped = gpio_ != nullptr && gpio_->is_stopped(now_ns);
   session_->command(stopped ? TiltCommand::kStop : wanted_.load(std::memory_order_acquire), now_ns);
 }
 

@@ -8,6 +8,7 @@
 
 #include "drivers/tilt/tilt_history.hpp"
 #include "drivers/tilt/tilt_line.hpp"
+#include "firmware/gpio/gpio_signals.hpp"
 #include "firmware/pipeline/messages.hpp"
 #include "firmware/sources/line_keeper.hpp"
 #include "firmware/stages/scan_source.hpp"
@@ -22,8 +23,8 @@ class TiltSource final : private TiltSink {
  public:
   TiltSource(const TiltParams& params, LineHandover& line);
 
-  /// To be called before the thread starts, if at all: while it is set, the servo is stopped.
-  void obey_stop(const std::atomic<bool>& stopped) { stopped_ = &stopped; }
+  /// To be called before the thread starts, if at all: while these say so, the servo is stopped.
+  void obey_stop(const GpioSignals& gpio) { gpio_ = &gpio; }
 
   [[nodiscard]] int descriptor() const { return is_link_down_ ? -1 : descriptor_; }
   [[nodiscard]] std::int64_t next_deadline_ns() const;
@@ -61,7 +62,7 @@ class TiltSource final : private TiltSink {
   LineHandover& line_;
   TiltHistory history_;
   std::atomic<TiltCommand> wanted_;
-  const std::atomic<bool>* stopped_ = nullptr;
+  const GpioSignals* gpio_ = nullptr;
   int descriptor_ = -1;
   bool is_link_down_ = false;
   std::int64_t now_ns_ = 0;

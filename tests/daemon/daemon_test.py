@@ -260,6 +260,18 @@ class DaemonTest(DaemonCase):
         stalled, dead = log.find("tilt servo: stalled"), log.find("tilt servo: its line is gone")
         self.assertTrue(0 < stalled < dead, "first it stalled, and then it died:\n" + log)
 
+    def test_leaves_the_lines_of_gpio_to_the_daemon_that_reads_the_laser(self):
+        lines = '[gpio]\nstop_line = "odoless-no-such-line"\n'
+        url = f'url = "udpm://239.255.76.67:{7800 + os.getpid() % 100}"\n'
+        for name, stages, driver in (("laser", "sensor,matcher,filter", ""), ("half", "filter", ""), ("lcm", "sensor,matcher,filter", 'driver = "lcm"\n')):
+            self.config = self.write_config(name + ".toml", lines, lrf=driver, url=url)
+            daemon = self.start_daemon("--stages", stages)
+            self.wait_until(self.state, 10)
+            time.sleep(0.5)
+            self.assertEqual("emergency stop" in self.state(), name == "laser", name)
+            daemon.send_signal(signal.SIGTERM)
+            self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+
     def test_says_what_is_wrong_with_its_configuration_or_arguments(self):
         wrong = self.write_config("wrong.toml", "[pipeline]\nscan_queue = 0\n")
         outcome = run("odolessd", "--config", wrong, "--check")

@@ -59,10 +59,10 @@ class DaemonCase(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def write_config(self, name, more="", device=None, lrf=""):
+    def write_config(self, name, more="", device=None, lrf="", url='url = ""\n'):
         with open(self.path(name), "w", encoding="utf-8") as file:
             file.write(
-                f'[lrf]\ndevice = "{device or self.path("laser")}"\n{lrf}[lcm]\nurl = ""\n'
+                f'[lrf]\ndevice = "{device or self.path("laser")}"\n{lrf}[lcm]\n{url}'
                 f'[control]\nsocket = "{self.path("control")}"\n{more}'
             )
         return self.path(name)

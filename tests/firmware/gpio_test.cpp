@@ -127,12 +127,25 @@ TEST(GpioThread, AStopLineThatIsNotThereIsAStop) {
   GpioThread thread(params, signals, clock, wake, outbox);
   EXPECT_TRUE(signals.stopped);
   EXPECT_EQ(thread.start(), 0);
+  const std::int64_t start_ns = clock.now_ns();
   for (int i = 0; i < 10; ++i) {
     MonotonicClock().sleep_until(MonotonicClock().now_ns() + 20'000'000);
     EXPECT_TRUE(signals.stopped);
     EXPECT_TRUE(signals.line_lost);
   }
+  EXPECT_GT(signals.round_ns, start_ns) << "each round is told";
   EXPECT_TRUE(told(outbox).ends_with(" < stop lost\n"));
+}
+
+TEST(GpioThread, ARoundThatDoesNotEndIsAStop) {
+  GpioSignals signals;
+  signals.has_stop_line = true;
+  signals.round_ns = 10 * kSecond_ns;
+  EXPECT_FALSE(signals.is_stopped(10 * kSecond_ns + GpioSignals::kRoundMax_ns));
+  EXPECT_TRUE(signals.is_stopped(10 * kSecond_ns + GpioSignals::kRoundMax_ns + 1));
+  signals.has_stop_line = false;  // only the light's line hangs
+  EXPECT_TRUE(signals.is_silent(11 * kSecond_ns));
+  EXPECT_FALSE(signals.is_stopped(11 * kSecond_ns));
 }
 
 TEST(GpioThread, WithoutLinesNothingIsStoppedAndThereIsNoThread) {
@@ -142,6 +155,8 @@ TEST(GpioThread, WithoutLinesNothingIsStoppedAndThereIsNoThread) {
   Outbox outbox(4096);
   GpioThread thread({}, signals, clock, wake, outbox);
   EXPECT_EQ(thread.start(), 0);
+  EXPECT_FALSE(signals.is_stopped(clock.now_ns()));
+  EXPECT_FALSE(signals.is_silent(clock.now_ns()));
   EXPECT_FALSE(signals.stopped);
   EXPECT_FALSE(signals.line_lost);
 }
