@@ -10,9 +10,13 @@ void TiltCounters::reject(Errc reason, TiltSink& sink) {
   sink.on_event({.type = TiltEventType::kRejected, .reason = reason});
 }
 
-void TiltCounters::tell_device_error(std::int64_t code, TiltSink& sink) {
+void TiltCounters::tell_device_error(TiltError error, std::int64_t code, TiltSink& sink, std::uint32_t object) {
   ++device_errors;
-  sink.on_event({.type = TiltEventType::kDeviceError, .reason = Errc::kDeviceStatus, .code = code});
+  sink.on_event({.type = TiltEventType::kDeviceError,
+                 .reason = Errc::kDeviceStatus,
+                 .error = error,
+                 .code = code,
+                 .object = object});
 }
 
 }  // namespace odoless

@@ -30,16 +30,34 @@ enum class TiltState : std::uint8_t {
 enum class TiltEventType : std::uint8_t {
   kReady,        ///< set up, switched on, obeys from now on
   kRejected,     ///< a frame was refused; `reason` says why
-  kDeviceError,  ///< the servo refuses something or reports a fault; `code` is what it said
+  kDeviceError,  ///< the servo refuses something or reports a fault; `error` says how, `code` what
   kStalled,      ///< it doesn't move as it should, and was stopped
   kLost,         ///< it doesn't answer, has started anew or was taken away; the session brings it up again
   kBusError,     ///< the bus reports an error; `code` is its class
 };
+inline constexpr std::size_t kTiltEventTypes = 6;
+
+/// How a servo told an error, which says what its `code` means.
+enum class TiltError : std::uint8_t {
+  kNone,
+  kAbort,        ///< CANopen: it refuses `object`; an abort code (CiA 301)
+  kEmergency,    ///< CANopen: an emergency message's error code
+  kFault,        ///< CANopen: a fault's error code (603Fh); -1: it doesn't say
+  kStatusWord,   ///< CANopen: its status word (6041h), with which it doesn't switch on or find its zero
+  kDeviceType,   ///< CANopen: a device type (1000h) that is no drive's
+  kErrorNumber,  ///< Dynamixel: it refuses what was asked of `object`; the error of its answer
+  kHardware,     ///< Dynamixel: bits of its hardware error status
+};
+inline constexpr std::size_t kTiltErrors = 8;
 
 struct TiltEvent {
   TiltEventType type = TiltEventType::kReady;
   Errc reason = Errc::kOk;
-  std::int64_t code = -1;  ///< of the device's protocol; -1: none
+  TiltError error = TiltError::kNone;
+  std::int64_t code = -1;    ///< of the device's protocol; -1: none
+  std::uint32_t object = 0;  ///< CANopen: index and sub-index, as 607A00h; Dynamixel: address in its control table
+
+  bool operator==(const TiltEvent&) const = default;
 };
 
 /// Takes what a session has found. Real time: called on the session's thread, from within its calls.
@@ -75,7 +93,7 @@ struct TiltCounters {
   /// Counts what was refused, and tells of it.
   void reject(Errc reason, TiltSink& sink);
   /// Counts an error of the device's own, and tells of it.
-  void tell_device_error(std::int64_t code, TiltSink& sink);
+  void tell_device_error(TiltError error, std::int64_t code, TiltSink& sink, std::uint32_t object = 0);
 };
 
 /// The protocol of one servo, from any state that it may be in to obeying, and back to that after every fault. It does

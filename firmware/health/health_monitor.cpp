@@ -52,6 +52,7 @@ std::uint32_t HealthMonitor::sensor_reasons(const SensorReport& sensor, const Su
          when(rejected_.update(sensor.source.rejected + sensor.source.late, now_ns, params_.deadline_memory_ns),
               kReasonBadScans) |
          when(sensor.tilt.used && !sensor.tilt.obeys, kReasonTilt) |
+         when(tilt_refused_.update(sensor.tilt.refused, now_ns, params_.deadline_memory_ns), kReasonBadTilt) |
          when(sensor.tilt.used && !sensor.tilt.level, kReasonNotLevel) | when(sensor.blind, kReasonBlind) |
          when(sensor.stuck, kReasonStuck) |
          when(lost_datagrams_.update(sensor.source.datagrams_lost, now_ns, params_.deadline_memory_ns),

@@ -82,6 +82,7 @@ class HealthMonitor {
   HealthParams params_;
   HealthReport report_;
   Growth rejected_;
+  Growth tilt_refused_;
   Growth dropped_;
   Growth missed_;
   Growth map_refused_;

@@ -8,7 +8,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<const char*, 22> kReasonTexts{"no scans",
+constexpr std::array<const char*, 23> kReasonTexts{"no scans",
                                                    "the laser cannot be opened",
                                                    "scans are refused",
                                                    "the laser sees nothing",
@@ -29,7 +29,8 @@ constexpr std::array<const char*, 22> kReasonTexts{"no scans",
                                                    "a GPIO line or the sync pulse is missing",
                                                    "the tilt servo does not obey",
                                                    "the laser is not level",
-                                                   "the 3D map is full"};
+                                                   "the 3D map is full",
+                                                   "answers of the tilt servo are missing or wrong"};
 
 }  // namespace
 

@@ -39,6 +39,7 @@ enum HealthReason : std::uint32_t {
   kReasonTilt = 1U << 19,           ///< the tilt servo is not there, has a fault, or doesn't move as it should
   kReasonNotLevel = 1U << 20,       ///< the laser's plane is not level
   kReasonCloudFull = 1U << 21,      ///< the 3D map has no room for what is seen: what it has stays
+  kReasonBadTilt = 1U << 22,        ///< the tilt servo's answers are refused, or don't come
 };
 
 /// The scan source since start. Rates and ages are taken at the time of the report.

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "drivers/io/can_frame.hpp"
 #include "drivers/io/candump_text.hpp"
+#include "firmware/sources/tilt_event_text.hpp"
 
 namespace odoless {
 
@@ -42,7 +44,11 @@ void TiltSource::return_line() {
 
 void TiltSource::obey(std::int64_t now_ns) {
   const bool stopped = gpio_ != nullptr && gpio_->is_stopped(now_ns);
-  session_->command(stopped ? TiltCommand::kStop : wanted_.load(std::memory_order_acquire), now_ns);
+  const TiltCommand command = stopped ? TiltCommand::kStop : wanted_.load(std::memory_order_acquire);
+  session_->command(command, now_ns);
+  if (command != TiltCommand::kStop && session_->state() == TiltState::kHoming) {
+    seen_since_ns_ = std::numeric_limits<std::int64_t>::max();
+  }
 }
 
 void TiltSource::work(std::int64_t now_ns, ScanSink& sink) {
@@ -68,6 +74,7 @@ bool TiltSource::read_all(std::int64_t now_ns) {
   for (int i = 0; i < kReadsPerRound; ++i) {
     const Result<TiltRead> read = read_tilt_line(params_.driver, descriptor_, buffer_, now_ns);
     is_link_down_ = read.error() == Errc::kLinkDown;
+    tell_link(read.error());
     if (read.error() == Errc::kNotYet || is_link_down_) {
       return true;
     }
@@ -85,10 +92,25 @@ bool TiltSource::write_all() {
   bool alive = true;
   for (auto frame = session_->transmit(); !frame.empty(); frame = session_->transmit()) {
     const Errc error = write_tilt_line(params_.driver, descriptor_, frame);
+    tell_link(error);
     tell_raw(frame, now_ns_, true);
     alive = alive && (error == Errc::kOk || error == Errc::kCapacity || error == Errc::kLinkDown);
   }
   return alive;
+}
+
+void TiltSource::tell_link(Errc error) {
+  const bool down = error == Errc::kLinkDown;
+  if (down == link_told_down_ || (!down && error != Errc::kOk)) {
+    return;
+  }
+  link_told_down_ = down;
+  if (down) {
+    sink_->on_event(EventPriority::kWarning,
+                    "tilt servo: its CAN interface is down: 'ip link set ... up' brings it up (tilt.device)", 0);
+  } else {
+    sink_->on_event(EventPriority::kNotice, "tilt servo: its CAN interface is up", 0);
+  }
 }
 
 void TiltSource::tell_raw(std::span<const std::byte> bytes, std::int64_t stamp_ns, bool to_device) {
@@ -106,16 +128,20 @@ void TiltSource::tell_raw(std::span<const std::byte> bytes, std::int64_t stamp_n
 
 TiltReport TiltSource::report() const {
   const TiltState state = session_->state();
+  const TiltCounters& counters = session_->counters();
   const bool obeys = is_open() && state != TiltState::kBringUp && state != TiltState::kFault;
   return {.used = true,
           .obeys = obeys,
           .level = has_angle_ && is_level(last_angle_rad_),
-          .stalls = static_cast<std::int64_t>(session_->counters().stalls)};
+          .refused = static_cast<std::int64_t>(counters.rejected + counters.timeouts)};
 }
 
 bool TiltSource::is_level(double angle_rad) const { return std::abs(angle_rad) <= params_.level_tolerance_rad; }
 
 bool TiltSource::was_level_since(std::int64_t stamp_ns) const {
+  if (stamp_ns < seen_since_ns_) {
+    return false;
+  }
   if (!had_angle_) {
     return true;
   }
@@ -125,32 +151,36 @@ bool TiltSource::was_level_since(std::int64_t stamp_ns) const {
 
 void TiltSource::on_angle(const TiltSample& sample) {
   has_angle_ = had_angle_ = true;
+  seen_since_ns_ = std::min(seen_since_ns_, sample.stamp_ns);
   last_angle_rad_ = sample.angle_rad;
   static_cast<void>(history_.add(sample.stamp_ns, sample.angle_rad));
   sink_->on_tilt({.stamp_ns = sample.stamp_ns, .angle_rad = sample.angle_rad, .velocity_radps = sample.velocity_radps});
 }
 
 void TiltSource::on_event(const TiltEvent& event) {
-  switch (event.type) {
-    case TiltEventType::kReady:
-      return sink_->on_event(EventPriority::kInfo, "tilt servo: set up, obeys", 0);
-    case TiltEventType::kDeviceError:
-      return sink_->on_event(EventPriority::kError, "tilt servo: it reports an error, code {:#x}", event.code);
-    case TiltEventType::kStalled:
-      return sink_->on_event(EventPriority::kError, "tilt servo: stalled: it was stopped, and is tried again", 0);
-    case TiltEventType::kLost:
-      has_angle_ = false;
-      return sink_->on_event(EventPriority::kWarning, "tilt servo: lost (reason {}); it is brought up again",
-                             static_cast<std::int64_t>(event.reason));
-    case TiltEventType::kBusError:
-      if (now_ns_ >= next_bus_event_ns_) {  // a bus in trouble tells of it thousands of times a second
-        next_bus_event_ns_ = now_ns_ + kEventPause_ns;
-        sink_->on_event(EventPriority::kWarning, "tilt servo: errors on its bus, class {:#x}", event.code);
-      }
-      return;
-    case TiltEventType::kRejected:
-      return;  // counted
+  if (event.type == TiltEventType::kLost) {
+    has_angle_ = false;
   }
+  if (event.type == TiltEventType::kReady) {
+    told_ = {};
+  } else if (!is_news(event)) {
+    return;
+  }
+  const TiltEventText said = text_of(event);
+  sink_->on_event(said.priority, said.text, said.number);
+}
+
+// What goes wrong goes wrong again at each attempt, and on a bus in trouble thousands of times a second.
+bool TiltSource::is_news(const TiltEvent& event) {
+  const auto type = static_cast<std::size_t>(event.type);
+  Told& told =
+      told_.at(event.error == TiltError::kNone ? type : kTiltEventTypes + static_cast<std::size_t>(event.error));
+  const std::int64_t pause_ns = told.event == event ? kSameEventPause_ns : kEventPause_ns;
+  if (told.at_ns != 0 && now_ns_ - told.at_ns < pause_ns) {
+    return false;
+  }
+  told = {event, now_ns_};
+  return true;
 }
 
 }  // namespace odoless

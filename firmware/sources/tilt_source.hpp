@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "drivers/tilt/tilt_history.hpp"
@@ -31,7 +32,8 @@ class TiltSource final : private TiltSink {
   void work(std::int64_t now_ns, ScanSink& sink);
   [[nodiscard]] TiltReport report() const;
   /// Whether the laser was level from that time, a scan's first beam, until now. Where the servo has never told, the
-  /// laser is taken to be as level as without one; where it is lost, to be where it was seen last.
+  /// laser is taken to be as level as without one; where it is lost, to be where it was seen last. While the servo
+  /// finds its zero it moves and tells no angle: not level, until it tells one again.
   [[nodiscard]] bool was_level_since(std::int64_t stamp_ns) const;
   /// Angles for the beams' times.
   [[nodiscard]] const TiltHistory& history() const { return history_; }
@@ -50,12 +52,17 @@ class TiltSource final : private TiltSink {
   /// False when the line is gone.
   [[nodiscard]] bool read_all(std::int64_t now_ns);
   [[nodiscard]] bool write_all();
+  /// Of what a read or a write came to: says when the link has gone down or come up.
+  void tell_link(Errc error);
+  /// Whether the log is to be told: not of what it was told just before.
+  [[nodiscard]] bool is_news(const TiltEvent& event);
   /// For the recorder: a frame of CAN as a line of candump.
   void tell_raw(std::span<const std::byte> bytes, std::int64_t stamp_ns, bool to_device);
 
   static constexpr int kReadsPerRound = 64;
-  static constexpr std::int64_t kLinkPause_ns = 20'000'000;      ///< between looks at a link that is down
-  static constexpr std::int64_t kEventPause_ns = 1'000'000'000;  ///< between log lines on errors of the bus
+  static constexpr std::int64_t kLinkPause_ns = 20'000'000;           ///< between looks at a link that is down
+  static constexpr std::int64_t kEventPause_ns = 1'000'000'000;       ///< between log lines of one kind ...
+  static constexpr std::int64_t kSameEventPause_ns = 60'000'000'000;  ///< ... that say the same, until it obeys again
 
   TiltParams params_;
   std::unique_ptr<TiltSession> session_;
@@ -65,12 +72,18 @@ class TiltSource final : private TiltSink {
   const GpioSignals* gpio_ = nullptr;
   int descriptor_ = -1;
   bool is_link_down_ = false;
+  bool link_told_down_ = false;
   std::int64_t now_ns_ = 0;
-  std::int64_t next_bus_event_ns_ = 0;
+  struct Told {
+    TiltEvent event;
+    std::int64_t at_ns = 0;  ///< 0: never
+  };
+  std::array<Told, kTiltEventTypes + kTiltErrors> told_{};  ///< since it obeyed, one of each kind
   double last_angle_rad_ = 0.0;
   bool has_angle_ = false;
   bool had_angle_ = false;
-  ScanSink* sink_ = nullptr;  ///< during `work`
+  std::int64_t seen_since_ns_ = std::numeric_limits<std::int64_t>::min();  ///< before, it moved unseen: in homing
+  ScanSink* sink_ = nullptr;                                               ///< during `work`
   std::array<std::byte, 1024> buffer_{};
 };
 

@@ -260,6 +260,21 @@ class DaemonTest(DaemonCase):
         stalled, dead = log.find("tilt servo: stalled"), log.find("tilt servo: its line is gone")
         self.assertTrue(0 < stalled < dead, "first it stalled, and then it died:\n" + log)
 
+    def test_says_that_answers_of_the_servo_are_wrong_and_goes_on(self):
+        self.use_servo()
+        self.start_servo("--fault", "wrong-sum@8:0.3")
+        self.start_laser()
+        daemon = self.start_daemon()
+        self.wait_until_ok()
+        self.wait_until(lambda: "answers of the tilt servo" in self.state(), 15)
+        accepted, held_back = self.scans()
+        self.wait_until_ok()
+        self.assertGreater(self.scans()[0], accepted)
+        self.assertEqual(self.scans()[1], held_back, "2D SLAM was kept from scans")
+        daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.wait(timeout=10), 0)
+        self.assertIn("tilt servo: an answer with a wrong check sum was refused", daemon.stderr.read())
+
     def test_leaves_the_lines_of_gpio_to_the_daemon_that_reads_the_laser(self):
         lines = '[gpio]\nstop_line = "odoless-no-such-line"\n'
         url = f'url = "udpm://239.255.76.67:{7800 + os.getpid() % 100}"\n'

@@ -144,6 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
     Counts, GrowingCount,
     ::testing::Values(
         Growing{"Rejected", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.rejected; }},
+        Growing{"Servo", kReasonBadTilt, [](auto& sensor, auto&, auto&, auto&) { ++sensor.tilt.refused; }},
         Growing{"Late", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.late; }},
         Growing{"Dropped", kReasonOverload, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.dropped; }},
         Growing{"Cut", kReasonOverload, [](auto&, auto&, auto& filter, auto&) { ++filter.updates_cut; }},
@@ -161,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(HealthText, EveryReasonHasItsOwnWords) {
   std::string before;
-  for (std::uint32_t reason = 1; reason <= kReasonCloudFull; reason <<= 1U) {
+  for (std::uint32_t reason = 1; reason <= kReasonBadTilt; reason <<= 1U) {
     const std::string text = reasons_text(reason);
     EXPECT_FALSE(text.empty()) << reason;
     EXPECT_NE(text, before);

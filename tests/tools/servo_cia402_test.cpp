@@ -167,7 +167,9 @@ TEST(Cia402Session, TellsWhatADriveRefuses) {
   bench.run(200 * kServoMs);
   ASSERT_GE(bench.heard().events.size(), 1U);
   EXPECT_EQ(bench.heard().events[0].type, TiltEventType::kDeviceError);
+  EXPECT_EQ(bench.heard().events[0].error, TiltError::kAbort);
   EXPECT_EQ(bench.heard().events[0].code, 0x06090030);
+  EXPECT_EQ(bench.heard().events[0].object, 0x608100U);
 }
 
 TEST(Cia402Session, ComesBackAfterSomebodyElseStoppedTheNode) {

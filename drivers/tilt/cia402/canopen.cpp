@@ -1,8 +1,5 @@
 #include "drivers/tilt/cia402/canopen.hpp"
 
-#include <algorithm>
-#include <array>
-
 namespace odoless::canopen {
 namespace {
 
@@ -33,31 +30,6 @@ CanFrame sdo_request(int node, std::uint8_t command, Object object, std::uint32_
 }
 
 std::uint8_t unused_bits(int size_bytes) { return static_cast<std::uint8_t>((4 - size_bytes) << 2); }
-
-struct AbortText {
-  std::uint32_t code;
-  const char* text;
-};
-
-constexpr std::array<AbortText, 17> kAbortTexts{{
-    {0x05030000U, "toggle bit not alternated"},
-    {0x05040000U, "timed out"},
-    {0x05040001U, "unknown command"},
-    {0x06010000U, "unsupported access"},
-    {0x06010001U, "write-only object"},
-    {0x06010002U, "read-only object"},
-    {0x06020000U, "no such object"},
-    {0x06040041U, "object cannot be mapped to a PDO"},
-    {0x06040042U, "PDO too long"},
-    {0x06060000U, "hardware error"},
-    {0x06070010U, "wrong type or length"},
-    {0x06090011U, "no such sub-index"},
-    {0x06090030U, "value out of range"},
-    {0x08000000U, "general error"},
-    {0x08000020U, "cannot be stored"},
-    {0x08000021U, "cannot be stored: local control"},
-    {0x08000022U, "cannot be stored in this state"},
-}};
 
 }  // namespace
 
@@ -141,12 +113,6 @@ Result<NodeState> heartbeat_state(const CanFrame& frame) {
     return Errc::kFrameMalformed;
   }
   return state;
-}
-
-const char* abort_text(std::uint32_t code) {
-  const auto* const found =
-      std::find_if(kAbortTexts.begin(), kAbortTexts.end(), [&](const AbortText& known) { return known.code == code; });
-  return found == kAbortTexts.end() ? "unknown abort code" : found->text;
 }
 
 }  // namespace odoless::canopen

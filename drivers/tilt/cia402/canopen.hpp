@@ -68,9 +68,6 @@ inline constexpr std::uint32_t kAbortTimedOut = 0x05040000U;
 [[nodiscard]] Result<Emergency> emergency(const CanFrame& frame);
 [[nodiscard]] Result<NodeState> heartbeat_state(const CanFrame& frame);
 
-/// What an abort code means, for a person.
-[[nodiscard]] const char* abort_text(std::uint32_t code);
-
 /// `size_bytes` (1 to 4) of the data from `at` on.
 [[nodiscard]] std::uint32_t get(const CanFrame& frame, int at, int size_bytes);
 void put(CanFrame& frame, int at, std::uint32_t value, int size_bytes);

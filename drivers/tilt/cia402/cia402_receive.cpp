@@ -71,7 +71,7 @@ void Cia402Session::on_emergency(const CanFrame& frame, std::int64_t now_ns, Til
   } else if (emergency.value().code != 0) {
     last_emergency_ns_ = now_ns;
     drive_.forget_target();
-    counters_.tell_device_error(emergency.value().code, sink);
+    counters_.tell_device_error(TiltError::kEmergency, emergency.value().code, sink);
   }
 }
 

@@ -156,7 +156,7 @@ void Cia402Session::on_found(std::int64_t now_ns, TiltSink& sink) {
   if ((sdo_.value() & 0xFFFFU) == kDriveProfile) {
     enter(Phase::kSetUp, now_ns);
   } else {
-    counters_.tell_device_error(sdo_.value(), sink);
+    counters_.tell_device_error(TiltError::kDeviceType, sdo_.value(), sink);
     give_up(Errc::kWrongDevice, now_ns, sink);
   }
 }
@@ -178,12 +178,14 @@ void Cia402Session::on_sdo(SdoClient::Outcome outcome, std::int64_t now_ns, Tilt
     return;
   }
   if (phase_ == Phase::kRun) {  // the code of a fault was asked for
-    counters_.tell_device_error(outcome == SdoClient::Outcome::kDone ? sdo_.value() : -1, sink);
+    const std::int64_t code = outcome == SdoClient::Outcome::kDone ? std::int64_t{sdo_.value()} : -1;
+    counters_.tell_device_error(TiltError::kFault, code, sink);
     return;
   }
   if (outcome != SdoClient::Outcome::kDone && !(aborted && tolerates())) {
     if (aborted) {
-      counters_.tell_device_error(sdo_.value(), sink);
+      const canopen::Object object = sdo_.object();
+      counters_.tell_device_error(TiltError::kAbort, sdo_.value(), sink, object.index * 256U + object.sub);
     }
     give_up(aborted ? Errc::kDeviceStatus : Errc::kDeviceSilent, now_ns, sink);
     return;
@@ -257,7 +259,7 @@ void Cia402Session::watch(std::int64_t now_ns, TiltSink& sink) {
     give_up(Errc::kDeviceSilent, now_ns, sink);
   } else if (phase_ == Phase::kRun && motion_.command() != TiltCommand::kStop && !in_fault_ && !drive_.enabled() &&
              now_ns - not_enabled_since_ns_ >= kSwitchOnNs) {
-    counters_.tell_device_error(drive_.status_word(), sink);
+    counters_.tell_device_error(TiltError::kStatusWord, drive_.status_word(), sink);
     give_up(Errc::kDeviceStatus, now_ns, sink);
   }
 }
@@ -274,7 +276,7 @@ void Cia402Session::advance(std::int64_t now_ns, TiltSink& sink) {
     } else if (motion_.command() == TiltCommand::kStop) {
       phase_end_ns_ = now_ns + params_.homing_timeout_ns;  // counts from when it may move
     } else if (homing == HomingState::kFailed || now_ns >= phase_end_ns_) {
-      counters_.tell_device_error(drive_.status_word(), sink);
+      counters_.tell_device_error(TiltError::kStatusWord, drive_.status_word(), sink);
       give_up(Errc::kHomingFailed, now_ns, sink);
     }
   }

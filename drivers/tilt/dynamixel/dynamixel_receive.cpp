@@ -58,7 +58,7 @@ void DynamixelSession::on_packet(std::int64_t arrival_ns, TiltSink& sink) {
   tries_ = 0;
   busy_ = false;
   if (is_refusal) {
-    counters_.tell_device_error(packet.error(), sink);
+    counters_.tell_device_error(TiltError::kErrorNumber, packet.error(), sink, asked_address_);
     give_up(Errc::kDeviceStatus, kPauseNs, arrival_ns, sink);
     return;
   }
@@ -107,7 +107,7 @@ void DynamixelSession::on_health(const Packet& packet, std::int64_t now_ns, Tilt
   const bool has_torque = packet.get(dynamixel::kTorqueEnable - dynamixel::kHealthFirst, 1) != 0;
   health_is_due_ = false;
   if (hardware_error != 0) {
-    counters_.tell_device_error(hardware_error, sink);
+    counters_.tell_device_error(TiltError::kHardware, hardware_error, sink);
     give_up(Errc::kDeviceStatus, fault_pause_ns_, now_ns, sink);
     fault_pause_ns_ = std::min(2 * fault_pause_ns_, kFaultPauseMaxNs);
     has_error_ = reboot_is_due_ = true;

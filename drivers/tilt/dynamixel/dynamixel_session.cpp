@@ -70,6 +70,7 @@ void DynamixelSession::ask(Instruction instruction, std::span<const std::uint8_t
                            std::int64_t now_ns) {
   request_ = dynamixel::encode(params_.id, instruction, parameters);
   answer_bytes_ = answer_bytes;
+  asked_address_ = 0;
   asked_ns_ = now_ns;
   busy_ = true;
   to_be_sent_ = true;
@@ -80,6 +81,7 @@ void DynamixelSession::read(std::uint16_t address, std::uint16_t size_bytes, std
       static_cast<std::uint8_t>(address & 0xFFU), static_cast<std::uint8_t>(address >> 8U),
       static_cast<std::uint8_t>(size_bytes & 0xFFU), static_cast<std::uint8_t>(size_bytes >> 8U)};
   ask(Instruction::kRead, parameters, size_bytes, now_ns);
+  asked_address_ = address;
 }
 
 void DynamixelSession::write(std::uint16_t address, std::span<const std::uint32_t> values, std::size_t value_bytes,
@@ -93,6 +95,7 @@ void DynamixelSession::write(std::uint16_t address, std::span<const std::uint32_
     }
   }
   ask(Instruction::kWrite, std::span(parameters).first(count), 0, now_ns);
+  asked_address_ = address;
 }
 
 // The profile goes with every goal, so that it holds whatever happened to the servo between. A stop has none: as fast

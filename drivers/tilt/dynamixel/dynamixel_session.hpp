@@ -113,6 +113,7 @@ class DynamixelSession final : public TiltSession {
   bool busy_ = false;
   bool to_be_sent_ = false;
   std::size_t answer_bytes_ = 0;
+  std::uint16_t asked_address_ = 0;  ///< of what is read or written; 0: another instruction
   std::int64_t asked_ns_ = 0;
 
   std::array<std::uint8_t, dynamixel::kSettingsBytes> settings_{};  ///< as the servo has them
