@@ -90,6 +90,10 @@ int Supervisor::run() {
 
 int Supervisor::open_laser() {
   if (!machine_.reads_laser()) {
+    if (options_.params.gpio.is_used()) {
+      log_line(EventPriority::kNotice,
+               "[gpio] is not served here, the stop line neither: that is for the daemon that reads the laser");
+    }
     return EX_OK;
   }
   laser_error_ = keeper_.tick(machine_.clock().now_ns());
@@ -222,11 +226,11 @@ void Supervisor::follow_gpio() {
   const std::int64_t now_ns = machine_.clock().now_ns();
   const bool silent = gpio.is_silent(now_ns);
   if (silent != std::exchange(gpio_silent_, silent)) {
-    log_line(EventPriority::kError,
-             silent
-                 ? "GPIO: a line does not answer (a stuck bus, or gpio.priority is too low): gpio.stop_line counts as "
-                   "pressed until it does"
-                 : "GPIO: its lines answer again");
+    log_line(
+        EventPriority::kError,
+        silent ? "GPIO: a line does not answer (a stuck bus, or gpio.priority is too low): a gpio.stop_line counts as "
+                 "pressed until it does"
+               : "GPIO: its lines answer again");
   }
   if (const bool stopped = gpio.is_stopped(now_ns); stopped != surroundings_.stopped) {
     surroundings_.stopped = stopped;

@@ -285,7 +285,9 @@ class DaemonTest(DaemonCase):
             time.sleep(0.5)
             self.assertEqual("emergency stop" in self.state(), name == "laser", name)
             daemon.send_signal(signal.SIGTERM)
-            self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+            status, said = daemon.wait(timeout=10), daemon.stderr.read()
+            self.assertEqual(status, 0, said)
+            self.assertEqual("[gpio] is not served here" in said, name != "laser", said)
 
     def test_says_what_is_wrong_with_its_configuration_or_arguments(self):
         wrong = self.write_config("wrong.toml", "[pipeline]\nscan_queue = 0\n")
