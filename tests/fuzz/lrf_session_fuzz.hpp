@@ -33,7 +33,7 @@ class SessionContract final : public LrfSink {
 };
 
 /// A round room that the robot stands in: what the laser sees is no matter, and must cost nothing.
-class RoundRoom final : public ScanSource {
+class RoundRoom final : public EmulatedScans {
  public:
   explicit RoundRoom(std::int64_t period_ns) : period_ns_(period_ns) {}
   [[nodiscard]] std::int64_t start_ns(std::int64_t index) const override { return index * period_ns_; }

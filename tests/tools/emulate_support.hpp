@@ -75,7 +75,7 @@ class Bench {
       : Bench(model, std::make_unique<WorldSource>(period_ns_of(model), std::move(drive)), std::move(options), params) {
   }
 
-  Bench(const std::string& model, std::unique_ptr<ScanSource> source, EmulatedLrfOptions options, LrfParams params)
+  Bench(const std::string& model, std::unique_ptr<EmulatedScans> source, EmulatedLrfOptions options, LrfParams params)
       : name_(model),
         source_(std::move(source)),
         has_rate_(!params.device.starts_with("tcp://")),
@@ -101,7 +101,7 @@ class Bench {
   [[nodiscard]] LrfSession& session() { return *session_; }
   [[nodiscard]] const ScipModel& model() const { return *find_scip_model(name_); }
   [[nodiscard]] EmulatedLrf& device() { return *device_; }
-  [[nodiscard]] ScanSource& source() { return *source_; }
+  [[nodiscard]] EmulatedScans& source() { return *source_; }
   [[nodiscard]] const std::vector<SentScan>& sent() const { return sent_; }
   [[nodiscard]] const std::string& written() const { return written_; }
 
@@ -132,7 +132,7 @@ class Bench {
 
   std::int64_t now_ns_ = 1000 * kSecond;
   std::string name_;
-  std::unique_ptr<ScanSource> source_;
+  std::unique_ptr<EmulatedScans> source_;
   bool has_rate_;  ///< nobody can set that of a socket
   std::unique_ptr<EmulatedLrf> device_;
   std::unique_ptr<LrfSession> session_;

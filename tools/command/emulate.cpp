@@ -31,7 +31,7 @@ EmulatedLrfModel model_of(const std::string& name) {
   return *std::find_if(models.begin(), models.end(), [&](const EmulatedLrfModel& m) { return m.name == name; });
 }
 
-std::unique_ptr<ScanSource> make_source(const EmulateLrfOptions& options, const EmulatedLrfModel& model) {
+std::unique_ptr<EmulatedScans> make_source(const EmulateLrfOptions& options, const EmulatedLrfModel& model) {
   if (std::filesystem::path(options.from).extension() != ".world") {
     if (!options.truth.empty()) {
       throw UsageError("--truth: a log doesn't know where the robot truly was; expected --from WORLD.world");

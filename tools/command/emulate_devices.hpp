@@ -59,7 +59,7 @@ struct EmulateServoOptions {
 /// A laser with what it needs.
 struct EmulatedLaser {
   std::string product;
-  std::unique_ptr<ScanSource> source;
+  std::unique_ptr<EmulatedScans> source;
   std::unique_ptr<EmulatedLrf> device;
 };
 

@@ -12,7 +12,7 @@ constexpr std::int64_t kStaleNs = 100'000'000;  ///< a device that was held up g
 
 }  // namespace
 
-EmulatedLrf::EmulatedLrf(ScanSource& source, EmulatedLrfOptions options)
+EmulatedLrf::EmulatedLrf(EmulatedScans& source, EmulatedLrfOptions options)
     : source_(source), options_(std::move(options)), rng_(options_.seed, 1) {}
 
 void EmulatedLrf::start_source(std::int64_t now_ns) { origin_ns_ = origin_ns_.value_or(now_ns); }

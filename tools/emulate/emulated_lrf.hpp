@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/rng.hpp"
+#include "tools/emulate/emulated_scans.hpp"
 #include "tools/emulate/faults.hpp"
-#include "tools/emulate/scan_source.hpp"
 
 namespace odoless {
 
@@ -67,7 +67,7 @@ class EmulatedLrf {
 
  protected:
   /// `source` must outlive it.
-  EmulatedLrf(ScanSource& source, EmulatedLrfOptions options);
+  EmulatedLrf(EmulatedScans& source, EmulatedLrfOptions options);
 
   /// One or more bytes from the client.
   virtual void hear(std::string_view bytes, std::int64_t now_ns) = 0;
@@ -100,7 +100,7 @@ class EmulatedLrf {
   /// A piece of the stream, with whatever faults damage it.
   void send_piece(std::string bytes, std::optional<SentScan> scan, std::int64_t now_ns);
 
-  [[nodiscard]] ScanSource& source() const { return source_; }
+  [[nodiscard]] EmulatedScans& source() const { return source_; }
 
  private:
   struct LaterBytes {
@@ -112,7 +112,7 @@ class EmulatedLrf {
   void garble(std::string& bytes);
   void follow_faults(std::int64_t now_ns);
 
-  ScanSource& source_;
+  EmulatedScans& source_;
   EmulatedLrfOptions options_;
   Rng rng_;
   std::vector<SentBytes> output_;

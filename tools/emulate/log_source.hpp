@@ -1,13 +1,13 @@
 #pragma once
 
-#include "tools/emulate/scan_source.hpp"
+#include "tools/emulate/emulated_scans.hpp"
 #include "tools/log/scan_log.hpp"
 
 namespace odoless {
 
 /// The scans of a recorded log, each at its recorded stamp; every beam takes the nearest recorded one, and
 /// has no return where there is none within a step. After the last one, it is repeated at the laser's own rate.
-class LogSource final : public ScanSource {
+class LogSource final : public EmulatedScans {
  public:
   /// @param period_ns    Of the laser, from scan to scan.
   /// @param speed_ratio  How many times faster than recorded.

@@ -21,7 +21,7 @@ std::int64_t epoch_offset_ns() {
 
 }  // namespace
 
-LoopedLrf::LoopedLrf(EmulatedLrf& device, const ScanSource& source, EmulatedLine& line, const std::string& truth,
+LoopedLrf::LoopedLrf(EmulatedLrf& device, const EmulatedScans& source, EmulatedLine& line, const std::string& truth,
                      std::function<void()> on_end)
     : device_(device), source_(source), line_(line), on_end_(std::move(on_end)), epoch_offset_ns_(epoch_offset_ns()) {
   if (!truth.empty()) {

@@ -28,7 +28,7 @@ class LoopedLrf final : public LoopedDevice {
   /// @param truth   File to write; empty: none.
   /// @param on_end  Called once, when the drive or the log is over.
   /// @throws CannotCreateError, and IoError from `step`, for the truth.
-  LoopedLrf(EmulatedLrf& device, const ScanSource& source, EmulatedLine& line, const std::string& truth,
+  LoopedLrf(EmulatedLrf& device, const EmulatedScans& source, EmulatedLine& line, const std::string& truth,
             std::function<void()> on_end);
 
   void step(std::int64_t now_ns) override;
@@ -44,7 +44,7 @@ class LoopedLrf final : public LoopedDevice {
   void tell_truth(const SentScan& scan);
 
   EmulatedLrf& device_;
-  const ScanSource& source_;
+  const EmulatedScans& source_;
   EmulatedLine& line_;
   std::ofstream truth_;
   std::function<void()> on_end_;

@@ -23,7 +23,7 @@ std::vector<EmulatedLrfModel> emulated_lrf_models() {
   return models;
 }
 
-std::unique_ptr<EmulatedLrf> make_emulated_lrf(std::string_view name, ScanSource& source, EmulatedLrfOptions options,
+std::unique_ptr<EmulatedLrf> make_emulated_lrf(std::string_view name, EmulatedScans& source, EmulatedLrfOptions options,
                                                std::int64_t now_ns) {
   if (const ScipModel* const model = find_scip_model(name); model != nullptr) {
     return std::make_unique<ScipDevice>(*model, source, std::move(options), now_ns);

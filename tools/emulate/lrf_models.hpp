@@ -22,7 +22,7 @@ struct EmulatedLrfModel {
 [[nodiscard]] std::vector<EmulatedLrfModel> emulated_lrf_models();
 
 /// The laser of that name, one of the above; `source` must outlive it and have its period.
-[[nodiscard]] std::unique_ptr<EmulatedLrf> make_emulated_lrf(std::string_view name, ScanSource& source,
+[[nodiscard]] std::unique_ptr<EmulatedLrf> make_emulated_lrf(std::string_view name, EmulatedScans& source,
                                                              EmulatedLrfOptions options, std::int64_t now_ns);
 
 }  // namespace odoless

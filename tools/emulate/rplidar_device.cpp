@@ -81,7 +81,7 @@ const RplidarModel* find_rplidar_model(std::string_view name) {
   return found == kModels.end() ? nullptr : found;
 }
 
-RplidarDevice::RplidarDevice(const RplidarModel& model, ScanSource& source, EmulatedLrfOptions options)
+RplidarDevice::RplidarDevice(const RplidarModel& model, EmulatedScans& source, EmulatedLrfOptions options)
     : EmulatedLrf(source, std::move(options)), model_(model) {}
 
 void RplidarDevice::restart(std::int64_t now_ns) {

@@ -38,7 +38,7 @@ struct RplidarModel {
 class RplidarDevice final : public EmulatedLrf {
  public:
   /// `source` must outlive it; its scans are the turns.
-  RplidarDevice(const RplidarModel& model, ScanSource& source, EmulatedLrfOptions options);
+  RplidarDevice(const RplidarModel& model, EmulatedScans& source, EmulatedLrfOptions options);
 
   [[nodiscard]] int motor_duty() const { return motor_duty_; }
 

@@ -16,7 +16,7 @@ constexpr std::size_t kLineMax = 80;
 
 }  // namespace
 
-ScipDevice::ScipDevice(const ScipModel& model, ScanSource& source, EmulatedLrfOptions options, std::int64_t now_ns)
+ScipDevice::ScipDevice(const ScipModel& model, EmulatedScans& source, EmulatedLrfOptions options, std::int64_t now_ns)
     : EmulatedLrf(source, options),
       model_(model),
       beams_(model.beam_list()),

@@ -16,7 +16,7 @@ namespace odoless {
 class ScipDevice final : public EmulatedLrf {
  public:
   /// `source` must outlive it.
-  ScipDevice(const ScipModel& model, ScanSource& source, EmulatedLrfOptions options, std::int64_t now_ns);
+  ScipDevice(const ScipModel& model, EmulatedScans& source, EmulatedLrfOptions options, std::int64_t now_ns);
 
  private:
   void hear(std::string_view bytes, std::int64_t now_ns) override;

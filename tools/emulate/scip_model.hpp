@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/emulate/scan_source.hpp"
+#include "tools/emulate/emulated_scans.hpp"
 
 namespace odoless {
 

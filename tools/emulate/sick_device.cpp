@@ -79,7 +79,7 @@ std::vector<EmulatedBeam> sick_beams(const sick::Variant& variant) {
   return beams;
 }
 
-SickDevice::SickDevice(const SickModel& model, ScanSource& source, EmulatedLrfOptions options)
+SickDevice::SickDevice(const SickModel& model, EmulatedScans& source, EmulatedLrfOptions options)
     : EmulatedLrf(source, std::move(options)),
       model_(model),
       variant_(model.variant),

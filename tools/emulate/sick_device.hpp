@@ -36,7 +36,7 @@ struct SickModel {
 class SickDevice final : public EmulatedLrf {
  public:
   /// `source` must outlive it; its scans come at the pace of the mirror's turns.
-  SickDevice(const SickModel& model, ScanSource& source, EmulatedLrfOptions options);
+  SickDevice(const SickModel& model, EmulatedScans& source, EmulatedLrfOptions options);
 
   /// How often its configuration was written: its memory wears.
   [[nodiscard]] int writes() const { return writes_; }

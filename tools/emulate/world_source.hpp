@@ -6,7 +6,7 @@
 
 #include "core/base/rng.hpp"
 #include "core/cloud/tilt_mount.hpp"
-#include "tools/emulate/scan_source.hpp"
+#include "tools/emulate/emulated_scans.hpp"
 #include "tools/sim/path.hpp"
 #include "tools/sim/world.hpp"
 
@@ -29,7 +29,7 @@ struct LaserTilt {
 };
 
 /// The scans of a laser that is driven through a world. The same drive gives the same ranges, scan by scan.
-class WorldSource final : public ScanSource {
+class WorldSource final : public EmulatedScans {
  public:
   /// @param period_ns  From scan to scan.
   WorldSource(std::int64_t period_ns, WorldDrive drive);

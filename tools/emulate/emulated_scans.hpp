@@ -15,12 +15,12 @@ struct EmulatedBeam {
 };
 
 /// Where an emulated laser's scans come from.
-class ScanSource {
+class EmulatedScans {
  public:
-  ScanSource() = default;
-  ScanSource(const ScanSource&) = delete;
-  ScanSource& operator=(const ScanSource&) = delete;
-  virtual ~ScanSource() = default;
+  EmulatedScans() = default;
+  EmulatedScans(const EmulatedScans&) = delete;
+  EmulatedScans& operator=(const EmulatedScans&) = delete;
+  virtual ~EmulatedScans() = default;
 
   /// When scan `index` begins since the first one; it grows with the index, without end.
   [[nodiscard]] virtual std::int64_t start_ns(std::int64_t index) const = 0;
