@@ -63,7 +63,8 @@ inline void fuzz_session(const std::string& model, const LrfParams& params, std:
   };
   session->reset(now_ns);
   for (int step = 0; step < 60 || (!rest.empty() && step < 2000); ++step) {
-    now_ns += 10 * kMs;
+    const std::int64_t next_ns = std::min(session->next_deadline_ns(), device->next_event_ns());
+    now_ns = std::clamp(next_ns, now_ns + 10 * kMs, now_ns + 100 * kMs);
     device->set_line_baud(session->line_baud());
     const auto request = session->transmit();
     device->receive({reinterpret_cast<const char*>(request.data()), request.size()}, now_ns);

@@ -24,8 +24,9 @@ constexpr std::size_t kHead = sick::kHeadBytes;
 constexpr std::size_t kSum = sick::kSumBytes;
 constexpr std::size_t kConfigurationBytes = 34;
 constexpr std::size_t kStateBytes = 151;
-constexpr int kStatus = 0x10;                   ///< of this kind of device, without complaint
-constexpr std::int64_t kThinksNs = 30'000'000;  ///< before it says that it has understood; the manual allows 60 ms
+constexpr int kStatus = 0x10;                    ///< of this kind of device, without complaint
+constexpr std::int64_t kHearsNs = 10'000'000;    ///< before it says that it has heard; the manual allows 60 ms
+constexpr std::int64_t kAnswersNs = 30'000'000;  ///< from then on to its answer
 constexpr int kAck = 0x06;
 constexpr int kNak = 0x15;
 constexpr std::string_view kPassword = "SICK_LMS";
@@ -170,20 +171,19 @@ bool SickDevice::take_request(std::int64_t now_ns) {
   const bool is_right = static_cast<unsigned>(number(received_, summed)) == sum_of(request) && summed > kHead;
   received_.erase(0, is_right ? summed + kSum : 1);
   if (is_right) {
-    execute(request, now_ns);
+    execute(std::string_view(request).substr(kHead), now_ns);
   } else {
     send(message(kNak, {}), now_ns);
   }
   return true;
 }
 
-void SickDevice::execute(std::string_view request, std::int64_t now_ns) {
+void SickDevice::execute(std::string_view payload, std::int64_t now_ns) {
   const std::int64_t byte_ns = 10 * 1'000'000'000LL / baud_;
-  const std::int64_t heard_ns = now_ns + static_cast<std::int64_t>(request.size() + kSum) * byte_ns;
-  const std::string answer = telegram(answer_to(request.substr(kHead), now_ns));
-  const std::int64_t understood_ns = std::max(heard_ns + kThinksNs, line_free_ns_) + byte_ns;
-  line_free_ns_ = understood_ns + static_cast<std::int64_t>(answer.size()) * byte_ns;
-  send_later(message(kAck, {}), understood_ns);
+  const std::string answer = telegram(answer_to(payload, now_ns));
+  const std::int64_t heard_ns = std::max(now_ns + kHearsNs, line_free_ns_) + byte_ns;
+  line_free_ns_ = heard_ns + kAnswersNs + static_cast<std::int64_t>(answer.size()) * byte_ns;
+  send_later(message(kAck, {}), heard_ns);
   send_later(answer, line_free_ns_);
   baud_ = next_baud_;
 }

@@ -32,7 +32,7 @@ struct SickModel {
 /// A laser that speaks the telegrams of the SICK LMS2xx: modes, password, variants, units, line rates.
 ///
 /// It starts at 9600 baud; while the line carries one scan, the others are left out, as on the device. Its answers take
-/// their time too: it thinks, and the line carries request and answer.
+/// their time too: it thinks, and the line carries them.
 class SickDevice final : public EmulatedLrf {
  public:
   /// `source` must outlive it; its scans come at the pace of the mirror's turns.
@@ -51,7 +51,7 @@ class SickDevice final : public EmulatedLrf {
   void restart(std::int64_t now_ns) override;
 
   [[nodiscard]] bool take_request(std::int64_t now_ns);
-  void execute(std::string_view request, std::int64_t now_ns);
+  void execute(std::string_view payload, std::int64_t now_ns);
   [[nodiscard]] std::string answer_to(std::string_view payload, std::int64_t now_ns);
   [[nodiscard]] std::string set_mode(std::string_view payload, std::int64_t now_ns);
   [[nodiscard]] std::string set_variant(std::string_view payload);
