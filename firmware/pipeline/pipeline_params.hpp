@@ -29,7 +29,8 @@ struct PipelineParams {
     visit.value("motion_queue", self.motion_queue, Range{1, 4096},
                 "Motions that may wait for the filter; when it is full the matcher adds them up.");
     visit.value("matcher_budget_ns", self.matcher_budget_ns, Range<std::int64_t>{1'000'000, 10'000'000'000},
-                "CPU time for one match; at its end the best so far stands. Not used in a replay.");
+                "CPU time for one match; after three quarters of it the search ends with the best so far. Not used in "
+                "a replay.");
     visit.value("filter_budget_ns", self.filter_budget_ns, Range<std::int64_t>{1'000'000, 10'000'000'000},
                 "CPU time for one update of the filter; particles adapt to it. Not used in a replay.");
     visit.value("scan_budget_ns", self.scan_budget_ns, Range<std::int64_t>{1'000'000, 20'000'000'000},

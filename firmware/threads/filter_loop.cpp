@@ -6,9 +6,7 @@
 namespace odoless {
 namespace {
 
-// Of a budget: the rest is for what an update ends with.
-constexpr double kDeadline = 0.75;
-constexpr double kScanDeadline = 0.9;
+constexpr double kScanDeadline = 0.9;  // of the budget of both
 
 }  // namespace
 

@@ -50,7 +50,7 @@ void MatcherLoop::process(ScanSlot slot) {
   if (pipeline_.lossless) {
     step = stage_.process(scan);
   } else {
-    const CpuDeadline deadline(budget_ns_);
+    const CpuDeadline deadline(static_cast<std::int64_t>(kDeadline * static_cast<double>(budget_ns_)));
     step = stage_.process(scan, deadline.view());
   }
   publish(step);
