@@ -20,6 +20,8 @@ std::size_t bin_of(double angle_rad) {
 
 void OrientationHistogram::add(const ScanFrame& scan, double yaw_rad, double spacing_m) {
   spacing_m = std::max(spacing_m, kSpacing_min_m);  // nearer points have the direction of their noise
+  const double spacing_m2 = spacing_m * spacing_m;
+  const double gap_m2 = kGap_spacings * kGap_spacings * spacing_m2;
   Point2 last{};
   bool has_last = false;
   for (int i = 0; i < scan.size(); ++i) {
@@ -29,12 +31,12 @@ void OrientationHistogram::add(const ScanFrame& scan, double yaw_rad, double spa
     const Point2 p = scan.point(i);
     const double dx = p.x_m - last.x_m;
     const double dy = p.y_m - last.y_m;
-    const double length_m = std::hypot(dx, dy);
-    if (has_last && length_m < spacing_m) {
+    const double length_m2 = dx * dx + dy * dy;
+    if (has_last && length_m2 < spacing_m2) {
       continue;
     }
-    if (has_last && length_m < kGap_spacings * spacing_m) {
-      bins_[bin_of(std::atan2(dy, dx) + yaw_rad)] += static_cast<float>(length_m);
+    if (has_last && length_m2 < gap_m2) {
+      bins_[bin_of(std::atan2(dy, dx) + yaw_rad)] += static_cast<float>(std::sqrt(length_m2));
     }
     last = p;
     has_last = true;

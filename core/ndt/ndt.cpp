@@ -103,13 +103,11 @@ void Ndt::gather(const PointSet& points) {
         }
         sum_index = touched_count_;
         touched_[static_cast<std::size_t>(touched_count_)] = index;
-        sums_[static_cast<std::size_t>(touched_count_++)] = Sums{};
+        sums_[static_cast<std::size_t>(touched_count_++)] = {.corner = slot_corner(index)};
       }
       Sums& sum = sums_[static_cast<std::size_t>(sum_index)];
-      // Relative to the cell's corner, so that the squares stay small.
-      const Point2 corner = slot_corner(index);
-      const double x = p.x_m - corner.x_m;
-      const double y = p.y_m - corner.y_m;
+      const double x = p.x_m - sum.corner.x_m;
+      const double y = p.y_m - sum.corner.y_m;
       sum.x += x;
       sum.y += y;
       sum.xx += x * x;
@@ -132,7 +130,7 @@ void Ndt::finish_cells() {
     const double y = sum.y / n;
     const double scale = 1.0 / (n - 1.0);
     PlacedCell& placed = cells_[static_cast<std::size_t>(cell_count_)];
-    placed.corner = slot_corner(index);
+    placed.corner = sum.corner;
     placed.cell = {{placed.corner.x_m + x, placed.corner.y_m + y},
                    (sum.xx - n * x * x) * scale,
                    (sum.xy - n * x * y) * scale,

@@ -98,6 +98,7 @@ class Ndt {
 
  private:
   struct Sums {
+    Point2 corner{};  ///< what they are relative to, so that the squares stay small
     double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
     int points = 0;
   };

@@ -8,13 +8,16 @@ void append_thinned(const ScanFrame& scan, const Pose2& target_T_scan, double sp
   const double c = std::cos(target_T_scan.yaw_rad);
   const double s = std::sin(target_T_scan.yaw_rad);
   constexpr double kFar_m = std::numeric_limits<double>::max();
+  const double spacing_m2 = spacing_m * spacing_m;
   Point2 last{kFar_m, kFar_m};
   for (int i = 0; i < scan.size(); ++i) {
     if (!scan.is_return(i)) {
       continue;
     }
     const Point2 p = scan.point(i);
-    if (std::hypot(p.x_m - last.x_m, p.y_m - last.y_m) < spacing_m) {
+    const double dx = p.x_m - last.x_m;
+    const double dy = p.y_m - last.y_m;
+    if (dx * dx + dy * dy < spacing_m2) {
       continue;
     }
     last = p;

@@ -103,16 +103,28 @@ BENCHMARK(BM_ExactSeedMatch)->Unit(benchmark::kMillisecond);
 void BM_Match(benchmark::State& state) { match_pair(state, {}); }
 BENCHMARK(BM_Match)->Unit(benchmark::kMillisecond);
 
-void BM_ReferenceRebuild(benchmark::State& state) {
-  const MatcherParams params;
-  MatchReference reference(params.reference, params.points_max);
-  const PlacedScan placed{&bench_pair().reference, {}};
+void rebuild(benchmark::State& state, const ReferenceParams& params, int scans) {
+  const double key_distance_m = LaserOdometryParams{}.key_distance_m;
+  std::vector<PlacedScan> placed;
+  for (int i = 0; i < scans; ++i) {
+    placed.push_back({&bench_pair().reference, {-i * key_distance_m, 0.0, 0.0}});
+  }
+  MatchReference reference(params, MatcherParams{}.points_max * scans);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(reference.rebuild({&placed, 1}));
+    benchmark::DoNotOptimize(reference.rebuild(placed));
   }
   state.SetLabel(bench_pair().label);
 }
+
+// Of one scan.
+void BM_ReferenceRebuild(benchmark::State& state) { rebuild(state, MatcherParams{}.reference, 1); }
 BENCHMARK(BM_ReferenceRebuild)->Unit(benchmark::kMillisecond);
+
+// Of as many key scans as the odometry keeps: what one scan in ten costs beside its match.
+void BM_LocalMapRebuild(benchmark::State& state) {
+  rebuild(state, local_map_params(), LaserOdometryParams{}.key_scans);
+}
+BENCHMARK(BM_LocalMapRebuild)->Unit(benchmark::kMillisecond);
 
 // To and fro between the two scans: each step matches, and most make a key scan.
 void BM_LaserOdometry(benchmark::State& state) {
