@@ -37,6 +37,9 @@ LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const MatcherPar
 }
 
 OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, Rng& rng) {
+  if (rebuild_is_due_) {
+    rebuild_reference();
+  }
   OdometryStep step;
   step.to_stamp_ns = scan.stamp_ns();
   step.from_stamp_ns = started_ ? stamp_ns_ : step.to_stamp_ns;
@@ -182,12 +185,18 @@ void LaserOdometry::add_key(const ScanFrame& scan, const Pose2& odom_T_scan) {
   newest.scan = scan;  // each by itself: a KeyScan in between would allocate
   newest.odom_T_scan = odom_T_scan;
   odom_T_key_ = odom_T_scan;
-  const Pose2 key_T_odom = odom_T_scan.inverse();
+  rebuild_is_due_ = true;
+}
+
+void LaserOdometry::rebuild_reference() {
+  const int capacity = params_.key_scans;
+  const Pose2 key_T_odom = odom_T_key_.inverse();
   for (int age = 0; age < key_count_; ++age) {  // newest first
     const KeyScan& key = keys_[static_cast<std::size_t>((newest_key_ - age + capacity) % capacity)];
     placed_[static_cast<std::size_t>(age)] = {&key.scan, key_T_odom * key.odom_T_scan};
   }
   static_cast<void>(reference_.rebuild({placed_.data(), static_cast<std::size_t>(key_count_)}));
+  rebuild_is_due_ = false;
 }
 
 }  // namespace odoless

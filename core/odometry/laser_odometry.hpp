@@ -98,7 +98,7 @@ struct OdometryStep {
 /// Tracks the laser by matching each scan to the local map of the last key scans. No prior but constant velocity.
 ///
 /// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; one match per scan, and one
-/// rebuild of the local map per key scan.
+/// rebuild of the local map per key scan: before the next match, which has the less time for its search.
 class LaserOdometry {
  public:
   LaserOdometry(const LaserOdometryParams& params, const MatcherParams& matcher, const ScanParams& scan);
@@ -134,6 +134,8 @@ class LaserOdometry {
   /// Whether the local map shall begin anew with this scan.
   [[nodiscard]] bool is_over_a_jolt(const OdometryStep& step, double period_s);
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
+  /// Of the key scans, seen from the newest.
+  void rebuild_reference();
 
   LaserOdometryParams params_;
   NdtMatcher matcher_;
@@ -142,6 +144,7 @@ class LaserOdometry {
   std::vector<PlacedScan> placed_;
   int key_count_ = 0;
   int newest_key_ = -1;
+  bool rebuild_is_due_ = false;
   bool started_ = false;
   Pose2 odom_T_key_{};
   std::int64_t stamp_ns_ = 0;

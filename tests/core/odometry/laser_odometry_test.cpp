@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
+#include "rt/cpu_clock.hpp"
+#include "tests/support/simulated_room.hpp"
 #include "tests/support/simulated_scene.hpp"
 
 namespace odoless {
@@ -258,6 +261,50 @@ TEST(LaserOdometry, RecoversFromEqualAndBackwardStamps) {
     drive.step({0.0, 0.0, 4.5 * kRadPerDeg});
   }
   drive.expect_on_track(0.05, 0.5 * kRadPerDeg);
+}
+
+/// How a thread spent a scan: before it asked for the first time whether its time is over, and after the last time.
+struct Spent {
+  std::int64_t begin_ns = thread_cpu_ns();
+  std::int64_t first_asked_ns = 0;
+  std::int64_t last_asked_ns = 0;
+
+  [[nodiscard]] Deadline endless() {
+    return {[](const void* context) {
+              auto& spent = *const_cast<Spent*>(static_cast<const Spent*>(context));
+              spent.last_asked_ns = thread_cpu_ns();
+              spent.first_asked_ns = spent.first_asked_ns == 0 ? spent.last_asked_ns : spent.first_asked_ns;
+              return false;
+            },
+            this};
+  }
+};
+
+std::int64_t median(std::vector<std::int64_t> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+TEST(LaserOdometry, MakesItsLocalMapWhileThereIsTimeToMakeUpForIt) {
+  LaserOdometryParams params;
+  params.key_distance_m = 0.0;                 // each scan is a key scan,
+  params.local_map.fine = {0.01, 30.0, 0.05};  // and a local map takes much longer to make than a match
+  LaserOdometry odometry(params, {}, {});
+  SimulatedRoom room(1, 400);
+  Rng rng(1);
+  std::vector<std::int64_t> before_ns;
+  std::vector<std::int64_t> after_ns;
+  for (int i = 0; i < 20; ++i) {
+    room.step();
+    Spent spent;
+    const OdometryStep step = odometry.process(room.scan(), spent.endless(), rng);
+    if (i > 0) {
+      ASSERT_TRUE(step.matched);
+      before_ns.push_back(spent.first_asked_ns - spent.begin_ns);
+      after_ns.push_back(thread_cpu_ns() - spent.last_asked_ns);
+    }
+  }
+  EXPECT_LT(median(after_ns), median(before_ns));
 }
 
 }  // namespace
