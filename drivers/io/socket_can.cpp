@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstring>
 #include <ctime>
+#include <limits>
 
 namespace odoless {
 namespace {
@@ -64,20 +65,44 @@ bool set_options(int socket, std::span<const CanFilter> filters) {
          set_option(socket, SOL_SOCKET, SO_TIMESTAMPNS, int{1});
 }
 
+std::int64_t to_ns(const timespec& time) { return time.tv_sec * std::int64_t{1'000'000'000} + time.tv_nsec; }
+
+/// The same moment by two clocks.
+struct Moment {
+  std::int64_t clock_ns = 0;
+  std::int64_t wall_ns = 0;
+};
+
+/// Both clocks at once: of some attempts that one which nothing came between.
+Moment now(const Clock& clock) {
+  constexpr int kAttempts = 3;
+  Moment now;
+  std::int64_t shortest_ns = std::numeric_limits<std::int64_t>::max();
+  for (int i = 0; i < kAttempts; ++i) {
+    timespec wall{};
+    const std::int64_t before_ns = clock.now_ns();
+    static_cast<void>(clock_gettime(CLOCK_REALTIME, &wall));
+    const std::int64_t took_ns = clock.now_ns() - before_ns;
+    if (took_ns < shortest_ns) {
+      shortest_ns = took_ns;
+      now = {before_ns + took_ns / 2, to_ns(wall)};
+    }
+  }
+  return now;
+}
+
 /// The kernel's stamp is on the wall clock; how long ago it was holds on every clock, unless that was set meanwhile.
-std::int64_t age_ns(msghdr& message) {
+std::int64_t stamp_ns(msghdr& message, const Clock& clock) {
   for (cmsghdr* header = CMSG_FIRSTHDR(&message); header != nullptr; header = CMSG_NXTHDR(&message, header)) {
     if (header->cmsg_level == SOL_SOCKET && header->cmsg_type == SCM_TIMESTAMPNS) {
       timespec stamp{};
       std::memcpy(&stamp, CMSG_DATA(header), sizeof(stamp));
-      timespec now{};
-      static_cast<void>(clock_gettime(CLOCK_REALTIME, &now));
-      const std::int64_t age =
-          (now.tv_sec - stamp.tv_sec) * std::int64_t{1'000'000'000} + (now.tv_nsec - stamp.tv_nsec);
-      return age >= 0 && age <= kStampAgeMaxNs ? age : 0;
+      const auto [clock_ns, wall_ns] = now(clock);
+      const std::int64_t age_ns = wall_ns - to_ns(stamp);
+      return age_ns >= 0 && age_ns <= kStampAgeMaxNs ? clock_ns - age_ns : clock_ns;
     }
   }
-  return 0;
+  return clock.now_ns();
 }
 
 }  // namespace
@@ -113,7 +138,7 @@ Result<FileDescriptor> open_can(const std::string& interface, std::span<const Ca
   return can;
 }
 
-Errc read_can(int socket, std::int64_t now_ns, CanReceived& received) {
+Errc read_can(int socket, const Clock& clock, CanReceived& received) {
   alignas(cmsghdr) std::array<char, 128> control{};
   iovec part{.iov_base = &received.frame, .iov_len = sizeof(received.frame)};
   msghdr message{};
@@ -125,7 +150,7 @@ Errc read_can(int socket, std::int64_t now_ns, CanReceived& received) {
   if (size < 0) {
     return error_of(errno);
   }
-  received.stamp_ns = now_ns - age_ns(message);
+  received.stamp_ns = stamp_ns(message, clock);
   return size == sizeof(received.frame) ? Errc::kOk : Errc::kDeviceFailed;
 }
 

@@ -7,6 +7,7 @@
 #include "core/base/result.hpp"
 #include "drivers/io/can_frame.hpp"
 #include "drivers/io/file_descriptor.hpp"
+#include "rt/clock.hpp"
 
 namespace odoless {
 
@@ -18,7 +19,7 @@ struct CanFilter {
 
 struct CanReceived {
   CanFrame frame;
-  std::int64_t stamp_ns = 0;  ///< when the kernel got it
+  std::int64_t stamp_ns = 0;  ///< when the kernel got it, by the clock that read_can was given
 };
 
 /// Opens a raw socket on a CAN interface, non-blocking, with the kernel's time stamps. It hears the frames that a
@@ -28,11 +29,11 @@ struct CanReceived {
 /// Thread: an ordinary one.
 [[nodiscard]] Result<FileDescriptor> open_can(const std::string& interface, std::span<const CanFilter> filters);
 
-/// Takes one frame that waits. @param now_ns  Time of now, on the clock that the frame's stamp is to be on.
+/// Takes one frame that waits. @param clock  Of the frame's stamp.
 ///
 /// @return Errc::kOk; kNotYet: none waits; kLinkDown: the interface is down, the socket stays good; else: open anew.
 /// Real time: one system call (recvmsg), no allocation.
-[[nodiscard]] Errc read_can(int socket, std::int64_t now_ns, CanReceived& received);
+[[nodiscard]] Errc read_can(int socket, const Clock& clock, CanReceived& received);
 
 /// @return Errc::kOk; kCapacity: the queue is full, the frame is dropped; kLinkDown as above; else: open anew.
 /// Real time: one system call (write), no allocation.

@@ -43,10 +43,10 @@ Result<FileDescriptor> open_tilt_line(const TiltParams& params) {
                                               : open_serial({.path = params.device, .baud = params.baud});
 }
 
-Result<TiltRead> read_tilt_line(TiltDriver driver, int descriptor, std::span<std::byte> buffer, std::int64_t now_ns) {
+Result<TiltRead> read_tilt_line(TiltDriver driver, int descriptor, std::span<std::byte> buffer, const Clock& clock) {
   if (driver == TiltDriver::kCia402) {
     CanReceived received;
-    if (const Errc error = read_can(descriptor, now_ns, received); error != Errc::kOk) {
+    if (const Errc error = read_can(descriptor, clock, received); error != Errc::kOk) {
       return error;
     }
     ODOLESS_CHECK(buffer.size() >= sizeof(CanFrame));
@@ -60,7 +60,7 @@ Result<TiltRead> read_tilt_line(TiltDriver driver, int descriptor, std::span<std
   if (size <= 0) {
     return Errc::kDeviceMissing;
   }
-  return TiltRead{buffer.first(static_cast<std::size_t>(size)), now_ns};
+  return TiltRead{buffer.first(static_cast<std::size_t>(size)), clock.now_ns()};
 }
 
 Errc write_tilt_line(TiltDriver driver, int descriptor, std::span<const std::byte> frame) {

@@ -9,6 +9,7 @@
 #include "drivers/io/file_descriptor.hpp"
 #include "drivers/tilt/tilt_params.hpp"
 #include "drivers/tilt/tilt_session.hpp"
+#include "rt/clock.hpp"
 
 namespace odoless {
 
@@ -21,7 +22,7 @@ namespace odoless {
 /// What one read of a servo's line gave.
 struct TiltRead {
   std::span<const std::byte> bytes{};
-  std::int64_t arrival_ns = 0;  ///< of CAN the kernel's stamp, else now
+  std::int64_t arrival_ns = 0;  ///< by the clock: of CAN the kernel's stamp, else the time after the read
 };
 
 /// Takes what waits, on CAN one frame.
@@ -29,7 +30,7 @@ struct TiltRead {
 /// Errors: Errc::kNotYet: nothing waits; kLinkDown: it may come back by itself; else the line is to be opened anew.
 /// Real time: one system call (read or recvmsg), no allocation.
 [[nodiscard]] Result<TiltRead> read_tilt_line(TiltDriver driver, int descriptor, std::span<std::byte> buffer,
-                                              std::int64_t now_ns);
+                                              const Clock& clock);
 
 /// Writes one frame, or drops it. @return as write_can. Real time: one system call (write), no allocation.
 [[nodiscard]] Errc write_tilt_line(TiltDriver driver, int descriptor, std::span<const std::byte> frame);

@@ -17,7 +17,7 @@ LcmSource::LcmSource(const LcmParams& params, Names names, int beams_max)
       receiver_(params, {names_.scan, names_.scan_again, names_.motion, names_.motion_again}),
       ranges_m_(static_cast<std::size_t>(beams_max)) {}
 
-void LcmSource::work(std::int64_t /*now_ns*/, ScanSink& sink) {
+void LcmSource::work(const Clock& /*clock*/, ScanSink& sink) {
   for (int i = 0; i < kMessagesPerRound; ++i) {
     const std::optional<LcmMessage> message = receiver_.try_receive();
     if (!message) {

@@ -27,7 +27,7 @@ class LcmSource final : public ScanSource {
 
   [[nodiscard]] int descriptor() const override { return receiver_.descriptor(); }
   [[nodiscard]] std::int64_t next_deadline_ns() const override { return kNever_ns; }
-  void work(std::int64_t now_ns, ScanSink& sink) override;
+  void work(const Clock& clock, ScanSink& sink) override;
   [[nodiscard]] bool is_open() const override { return receiver_.descriptor() >= 0; }
   [[nodiscard]] bool is_live() const override { return false; }  // a log that is played bears the time of its record
   void add_counts(SourceHealth& health) const override;

@@ -68,17 +68,18 @@ void LrfSource::return_line() {
   descriptor_ = -1;
 }
 
-void LrfSource::work(std::int64_t now_ns, ScanSink& sink) {
+void LrfSource::work(const Clock& clock, ScanSink& sink) {
   sink_ = &sink;
   if (!is_open()) {
-    take_line(now_ns);
+    take_line(clock.now_ns());
   }
-  if (is_open() && !read_all(now_ns)) {
+  if (is_open() && !read_all(clock)) {
     tell_once(kLineGone, EventPriority::kWarning,
               "laser: its line is gone (errno {}); it is opened again when it is back", errno);
     return_line();
   }
   if (is_open()) {
+    const std::int64_t now_ns = clock.now_ns();
     const bool wait_is_over = now_ns >= session_->next_deadline_ns();
     session_->tick(now_ns, *this);
     set_rate();
@@ -93,7 +94,7 @@ void LrfSource::work(std::int64_t now_ns, ScanSink& sink) {
   sink_ = nullptr;
 }
 
-bool LrfSource::read_all(std::int64_t now_ns) {
+bool LrfSource::read_all(const Clock& clock) {
   for (int i = 0; i < kReadsPerRound; ++i) {
     errno = 0;  // 0 bytes: the other side has ended it
     const ssize_t size_bytes = ::read(descriptor_, buffer_.data(), buffer_.size());
@@ -105,7 +106,7 @@ bool LrfSource::read_all(std::int64_t now_ns) {
     }
     const std::span<const std::byte> bytes = std::span(buffer_).first(static_cast<std::size_t>(size_bytes));
     sink_->on_raw(RawLine::kLaser, bytes, false);
-    session_->receive(bytes, now_ns, *this);
+    session_->receive(bytes, clock.now_ns(), *this);
   }
   return true;
 }

@@ -33,7 +33,7 @@ class LrfSource final : public ScanSource, private LrfSink {
 
   [[nodiscard]] int descriptor() const override { return descriptor_; }
   [[nodiscard]] std::int64_t next_deadline_ns() const override;
-  void work(std::int64_t now_ns, ScanSink& sink) override;
+  void work(const Clock& clock, ScanSink& sink) override;
   [[nodiscard]] bool is_open() const override { return descriptor_ >= 0; }
   void add_counts(SourceHealth& health) const override;
 
@@ -43,7 +43,7 @@ class LrfSource final : public ScanSource, private LrfSink {
   void take_line(std::int64_t now_ns);
   void return_line();
   /// False when the line is gone.
-  [[nodiscard]] bool read_all(std::int64_t now_ns);
+  [[nodiscard]] bool read_all(const Clock& clock);
   void set_rate();
   void write_all();
   /// Tells of an outage; each `kind` once.

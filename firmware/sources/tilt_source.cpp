@@ -51,16 +51,17 @@ void TiltSource::obey(std::int64_t now_ns) {
   }
 }
 
-void TiltSource::work(std::int64_t now_ns, ScanSink& sink) {
+void TiltSource::work(const Clock& clock, ScanSink& sink) {
   sink_ = &sink;
-  now_ns_ = now_ns;
+  now_ns_ = clock.now_ns();
   if (!is_open()) {
-    take_line(now_ns);
+    take_line(now_ns_);
   }
   if (is_open()) {
-    bool alive = read_all(now_ns);
-    obey(now_ns);
-    session_->tick(now_ns, *this);
+    bool alive = read_all(clock);
+    now_ns_ = clock.now_ns();
+    obey(now_ns_);
+    session_->tick(now_ns_, *this);
     alive = write_all() && alive;
     if (!alive) {
       sink.on_event(EventPriority::kWarning, "tilt servo: its line is gone; it is opened again when it is back", 0);
@@ -70,9 +71,9 @@ void TiltSource::work(std::int64_t now_ns, ScanSink& sink) {
   sink_ = nullptr;
 }
 
-bool TiltSource::read_all(std::int64_t now_ns) {
+bool TiltSource::read_all(const Clock& clock) {
   for (int i = 0; i < kReadsPerRound; ++i) {
-    const Result<TiltRead> read = read_tilt_line(params_.driver, descriptor_, buffer_, now_ns);
+    const Result<TiltRead> read = read_tilt_line(params_.driver, descriptor_, buffer_, clock);
     is_link_down_ = read.error() == Errc::kLinkDown;
     tell_link(read.error());
     if (read.error() == Errc::kNotYet || is_link_down_) {

@@ -29,7 +29,7 @@ class TiltSource final : private TiltSink {
 
   [[nodiscard]] int descriptor() const { return is_link_down_ ? -1 : descriptor_; }
   [[nodiscard]] std::int64_t next_deadline_ns() const;
-  void work(std::int64_t now_ns, ScanSink& sink);
+  void work(const Clock& clock, ScanSink& sink);
   [[nodiscard]] TiltReport report() const;
   /// Whether the laser was level from that time, a scan's first beam, until now. Where the servo has never told, the
   /// laser is taken to be as level as without one; where it is lost, to be where it was seen last. While the servo
@@ -50,7 +50,7 @@ class TiltSource final : private TiltSink {
   [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
   [[nodiscard]] bool is_level(double angle_rad) const;
   /// False when the line is gone.
-  [[nodiscard]] bool read_all(std::int64_t now_ns);
+  [[nodiscard]] bool read_all(const Clock& clock);
   [[nodiscard]] bool write_all();
   /// Of what a read or a write came to: says when the link has gone down or come up.
   void tell_link(Errc error);

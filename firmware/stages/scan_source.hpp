@@ -9,6 +9,7 @@
 #include "core/scan/scan_frame.hpp"
 #include "firmware/records/health.hpp"
 #include "firmware/records/records.hpp"
+#include "rt/clock.hpp"
 #include "rt/event_ring.hpp"
 
 namespace odoless {
@@ -48,7 +49,9 @@ class ScanSource {
   [[nodiscard]] virtual int descriptor() const = 0;
   /// When `work` is to be called although nothing came.
   [[nodiscard]] virtual std::int64_t next_deadline_ns() const = 0;
-  virtual void work(std::int64_t now_ns, ScanSink& sink) = 0;
+  /// Reads what waits. What came is stamped with the time after it was read, so that nothing arrives early, however
+  /// long the thread was held up before.
+  virtual void work(const Clock& clock, ScanSink& sink) = 0;
 
   /// Whether scans can come: the device is open, the socket joined.
   [[nodiscard]] virtual bool is_open() const = 0;

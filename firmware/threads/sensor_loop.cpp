@@ -18,9 +18,9 @@ void SensorLoop::run() {
     } else {
       wait();
       timer_.begin();
-      source_.work(clock_.now_ns(), intake_);
+      source_.work(clock_, intake_);
       if (tilt_ != nullptr) {
-        tilt_->work(clock_.now_ns(), intake_);
+        tilt_->work(clock_, intake_);
       }
       timer_.end(report_);
       meter_.read(report_);

@@ -58,7 +58,7 @@ class LcmSourceTest : public ::testing::Test {
     send_last(channel);
   }
   KeepingSink& heard() {
-    source_->work(0, sink_);
+    source_->work(ManualClock(), sink_);
     return sink_;
   }
 

@@ -25,7 +25,10 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 
 class KeepingSink final : public ScanSink {
  public:
-  void on_scan(const RawScan& /*scan*/) override { ++scans; }
+  void on_scan(const RawScan& scan) override {
+    ++scans;
+    stamps_ns.push_back(scan.stamp_ns);
+  }
   void on_motion(const MotionRecord& /*motion*/) override {}
   void on_raw(RawLine /*line*/, std::span<const std::byte> /*bytes*/, bool /*to_device*/) override {}
   void on_tilt(const TiltRecord& /*tilt*/) override {}
@@ -39,6 +42,7 @@ class KeepingSink final : public ScanSink {
   }
 
   int scans = 0;
+  std::vector<std::int64_t> stamps_ns;
   std::vector<std::string> told;
 };
 
@@ -78,6 +82,7 @@ class SlowSick final : public Device {
     }
     hear(received, now_ns);
     if (streams_ && now_ns >= next_scan_ns_) {
+      sent_ns.push_back(now_ns);
       next_scan_ns_ = now_ns + 500 * kMs;
       waiting_.push_back(
           {now_ns, telegram("\xB0" + std::string("\xB5\x40", 2) + std::string(std::size_t{2} * 181, '\x10'))});
@@ -91,6 +96,7 @@ class SlowSick final : public Device {
 
   bool is_off = false;
   int writes = 0;
+  std::vector<std::int64_t> sent_ns;  ///< scans
 
  private:
   struct Waiting {
@@ -169,7 +175,7 @@ class Bench {
 
   void run(std::int64_t duration_ns) {
     for (const std::int64_t end_ns = now_ns_ + duration_ns; now_ns_ < end_ns; now_ns_ += 5 * kMs) {
-      source_.work(now_ns_, heard);
+      source_.work(clock_, heard);
       keep_open();
       work_device();
     }
@@ -190,6 +196,9 @@ class Bench {
     source_.add_counts(health);
     return health.rejected;
   }
+
+  /// Each time that the source asks for the time, its thread is held up right after, while the laser goes on.
+  void hold_up(std::int64_t duration_ns) { held_up_ns_ = duration_ns; }
 
   /// The line takes no byte more.
   void fill() {
@@ -227,13 +236,48 @@ class Bench {
     }
   }
 
+  /// The bench's time.
+  class BenchClock final : public Clock {
+   public:
+    explicit BenchClock(Bench& bench) : bench_(bench) {}
+    [[nodiscard]] std::int64_t now_ns() const override {
+      const std::int64_t now_ns = bench_.now_ns_;
+      bench_.now_ns_ += bench_.held_up_ns_;
+      if (bench_.held_up_ns_ > 0) {
+        bench_.work_device();
+      }
+      return now_ns;
+    }
+    void sleep_until(std::int64_t /*stamp_ns*/) override {}
+
+   private:
+    Bench& bench_;
+  };
+
   Device& device_;
+  BenchClock clock_{*this};
+  std::int64_t held_up_ns_ = 0;
   LineHandover line_;
   LrfSource source_;
   FileDescriptor far_end_;
   std::int64_t now_ns_ = 1000 * kSecond;
   bool stuck_ = false;
 };
+
+TEST(LrfSource, NothingArrivesBeforeItWasSentHoweverItsThreadIsHeldUp) {
+  SlowSick laser;
+  Bench bench(laser);
+  bench.run(30 * kSecond);
+  const std::size_t scans = bench.heard.stamps_ns.size();
+  ASSERT_GT(scans, 5U);
+  const std::int64_t usual_ns = bench.heard.stamps_ns.back() - laser.sent_ns[scans - 1];
+  bench.hold_up(38 * kMs);
+  bench.run(30 * kSecond);
+  ASSERT_GT(bench.heard.stamps_ns.size(), scans + 50);
+  for (std::size_t i = scans; i < bench.heard.stamps_ns.size(); ++i) {
+    ASSERT_GE(bench.heard.stamps_ns[i] - laser.sent_ns[i], usual_ns - 5 * kMs) << i;  // a step of the bench
+  }
+}
 
 TEST(LrfSource, NeverCutsOffWhatASlowLaserIsAt) {
   SlowSick laser;

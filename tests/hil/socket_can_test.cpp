@@ -7,14 +7,19 @@
 #include <poll.h>
 
 #include <array>
+#include <chrono>
 #include <cstdlib>
+#include <thread>
+#include <utility>
 #include <vector>
 
-#include "rt/cpu_clock.hpp"
+#include "rt/clock.hpp"
 
 namespace odoless {
 namespace {
 
+constexpr int kWaitMs = 5000;
+constexpr auto kHeldUp = std::chrono::milliseconds(20);
 constexpr std::array<CanFilter, 1> kAll{{{.id = 0, .mask = 0}}};
 
 CanFrame frame(std::uint32_t id, std::uint8_t first = 0) {
@@ -24,6 +29,24 @@ CanFrame frame(std::uint32_t id, std::uint8_t first = 0) {
   made.data[0] = first;
   return made;
 }
+
+/// Its reader is held up for a while after it was read for the first time.
+class HeldUpClock final : public Clock {
+ public:
+  explicit HeldUpClock(const Clock& clock) : clock_(clock) {}
+  [[nodiscard]] std::int64_t now_ns() const override {
+    const std::int64_t now_ns = clock_.now_ns();
+    if (!std::exchange(was_held_up_, true)) {
+      std::this_thread::sleep_for(kHeldUp);
+    }
+    return now_ns;
+  }
+  void sleep_until(std::int64_t /*stamp_ns*/) override {}
+
+ private:
+  const Clock& clock_;
+  mutable bool was_held_up_ = false;
+};
 
 class SocketCan : public ::testing::Test {
  protected:
@@ -42,15 +65,13 @@ class SocketCan : public ::testing::Test {
 
   /// All frames up to `last`, which is waited for: a busy kernel brings frames after the call that has sent them, but
   /// in their order.
-  static std::vector<CanReceived> hear_until(const FileDescriptor& socket, const CanFrame& last) {
-    constexpr int kWaitMs = 5000;
+  [[nodiscard]] std::vector<CanReceived> hear_until(const FileDescriptor& socket, const CanFrame& last) const {
     std::vector<CanReceived> frames;
     pollfd ready{.fd = socket.get(), .events = POLLIN, .revents = 0};
     while (frames.empty() || frames.back().frame != last) {
       CanReceived received;
       const bool is_ready = ::poll(&ready, 1, kWaitMs) == 1;
-      if (const Errc error = is_ready ? read_can(socket.get(), monotonic_ns(), received) : Errc::kNotYet;
-          error != Errc::kOk) {
+      if (const Errc error = is_ready ? read_can(socket.get(), clock_, received) : Errc::kNotYet; error != Errc::kOk) {
         ADD_FAILURE() << "instead of the last frame: " << describe(error);
         break;
       }
@@ -58,12 +79,14 @@ class SocketCan : public ::testing::Test {
     }
     return frames;
   }
+
+  MonotonicClock clock_;
 };
 
 TEST_F(SocketCan, CarriesFramesStampsThemAndEchoesOwnOnes) {
   const FileDescriptor one = open(kAll);
   const FileDescriptor other = open(kAll);
-  const std::int64_t before_ns = monotonic_ns();
+  const std::int64_t before_ns = clock_.now_ns();
   ASSERT_EQ(write_can(one.get(), frame(0x123, 7)), Errc::kOk);
   const CanFrame extended = frame(0x12345678 | CanFrame::kExtendedFlag, 8);
   ASSERT_EQ(write_can(one.get(), extended), Errc::kOk);
@@ -72,10 +95,29 @@ TEST_F(SocketCan, CarriesFramesStampsThemAndEchoesOwnOnes) {
     ASSERT_EQ(heard.size(), 2U);
     EXPECT_EQ(heard[0].frame, frame(0x123, 7));
     EXPECT_GE(heard[0].stamp_ns, before_ns - 2'000'000);
-    EXPECT_LE(heard[0].stamp_ns, monotonic_ns());
+    EXPECT_LE(heard[0].stamp_ns, clock_.now_ns());
   }
   CanReceived received;
-  EXPECT_EQ(read_can(one.get(), monotonic_ns(), received), Errc::kNotYet);
+  EXPECT_EQ(read_can(one.get(), clock_, received), Errc::kNotYet);
+}
+
+TEST_F(SocketCan, StampsAFrameByWhenItCameHoweverLateItIsRead) {
+  constexpr int kRounds = 50;
+  const FileDescriptor one = open(kAll);
+  std::int64_t too_late_ns = 1;
+  for (int i = 0; i < kRounds && too_late_ns > 0; ++i) {  // the kernel begins to stamp a while after it was asked to
+    const std::int64_t before_ns = clock_.now_ns();
+    ASSERT_EQ(write_can(one.get(), frame(1)), Errc::kOk);
+    const std::int64_t after_ns = clock_.now_ns();
+    pollfd ready{.fd = one.get(), .events = POLLIN, .revents = 0};
+    ASSERT_EQ(::poll(&ready, 1, kWaitMs), 1);
+    std::this_thread::sleep_for(kHeldUp);
+    CanReceived received;
+    ASSERT_EQ(read_can(one.get(), HeldUpClock(clock_), received), Errc::kOk);
+    ASSERT_GE(received.stamp_ns, before_ns - 2'000'000);
+    too_late_ns = received.stamp_ns - (after_ns + 2'000'000);
+  }
+  EXPECT_LE(too_late_ns, 0);
 }
 
 TEST_F(SocketCan, HearsWhatItsFiltersLetThroughAndAllErrors) {
@@ -111,7 +153,7 @@ TEST_F(SocketCan, OutlivesALinkThatGoesDownAndUp) {
   ASSERT_EQ(std::system("ip link set vcan0 down"), 0);
   CanReceived received;
   EXPECT_EQ(write_can(one.get(), frame(1)), Errc::kLinkDown);
-  EXPECT_EQ(read_can(other.get(), monotonic_ns(), received), Errc::kLinkDown);
+  EXPECT_EQ(read_can(other.get(), clock_, received), Errc::kLinkDown);
   ASSERT_EQ(std::system("ip link set vcan0 up"), 0);
   EXPECT_EQ(write_can(one.get(), frame(2)), Errc::kOk);
   EXPECT_EQ(hear_until(other, frame(2)).size(), 1U);
@@ -131,7 +173,7 @@ TEST_F(SocketCan, TellsThatTheInterfaceIsGone) {
   const FileDescriptor socket = opened.take();
   ASSERT_EQ(std::system("ip link del vcan9"), 0);
   CanReceived received;
-  Errc error = read_can(socket.get(), monotonic_ns(), received);
+  Errc error = read_can(socket.get(), clock_, received);
   if (error == Errc::kLinkDown) {  // told first, then the rest
     error = write_can(socket.get(), frame(1));
   }

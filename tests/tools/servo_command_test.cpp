@@ -7,7 +7,7 @@
 #include <csignal>
 #include <thread>
 
-#include "rt/cpu_clock.hpp"
+#include "rt/clock.hpp"
 #include "tests/support/command_process.hpp"
 #include "tests/support/run_command.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -36,26 +36,28 @@ TEST(EmulateServo, RefusesWhatMakesNoSense) {
 }
 
 /// What the owner of a session does, until it is level or the time is over.
-void serve(const TiltParams& params, TiltSession& session, test::HeardTilt& heard, std::int64_t end_ns) {
+void serve(const TiltParams& params, TiltSession& session, test::HeardTilt& heard, std::int64_t at_most_ns) {
+  const MonotonicClock clock;
+  const std::int64_t end_ns = clock.now_ns() + at_most_ns;
   Result<FileDescriptor> opened = Errc::kDeviceMissing;
-  while (!(opened = open_tilt_line(params)).ok() && monotonic_ns() < end_ns) {
+  while (!(opened = open_tilt_line(params)).ok() && clock.now_ns() < end_ns) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   ASSERT_TRUE(opened.ok()) << describe(opened.error());
   const FileDescriptor line = opened.take();
   std::array<std::byte, 256> buffer;
-  session.reset(monotonic_ns());
-  while (session.state() != TiltState::kLevel && monotonic_ns() < end_ns) {
+  session.reset(clock.now_ns());
+  while (session.state() != TiltState::kLevel && clock.now_ns() < end_ns) {
     for (auto frame = session.transmit(); !frame.empty(); frame = session.transmit()) {
       ASSERT_EQ(write_tilt_line(params.driver, line.get(), frame), Errc::kOk);
     }
     pollfd ready{.fd = line.get(), .events = POLLIN, .revents = 0};
     ::poll(&ready, 1, 5);
-    const Result<TiltRead> read = read_tilt_line(params.driver, line.get(), buffer, monotonic_ns());
+    const Result<TiltRead> read = read_tilt_line(params.driver, line.get(), buffer, clock);
     if (read.ok()) {
       session.receive(read.value().bytes, read.value().arrival_ns, heard);
     }
-    session.tick(monotonic_ns(), heard);
+    session.tick(clock.now_ns(), heard);
   }
 }
 
@@ -70,7 +72,7 @@ TEST(EmulateServo, ADynamixelIsServedOverARealTerminal) {
   const auto session = make_tilt_session(params);
   test::HeardTilt heard;
   test::CommandProcess emulator({"emulate", "servo", "--dynamixel", "--pty", params.device, "--echoes"});
-  serve(params, *session, heard, monotonic_ns() + 60 * kServoSecond);
+  serve(params, *session, heard, 60 * kServoSecond);
   EXPECT_EQ(emulator.stop(SIGTERM), 0);
   EXPECT_EQ(session->state(), TiltState::kLevel);
   EXPECT_GT(heard.samples.size(), 5U);

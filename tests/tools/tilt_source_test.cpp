@@ -74,7 +74,7 @@ class TiltBench final : public ScanSink {
       to_source(frame);
       EXPECT_EQ(::write(far_.get(), frame.data(), frame.size()), static_cast<ssize_t>(frame.size()));
     }
-    source_.work(now_ns_, *this);
+    source_.work(ManualClock(now_ns_), *this);
     std::array<std::byte, 256> bytes{};
     for (ssize_t size = 0; (size = ::read(far_.get(), bytes.data(), bytes.size())) > 0;) {
       servo_->receive(std::span(bytes).first(static_cast<std::size_t>(size)), now_ns_);

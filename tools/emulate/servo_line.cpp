@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "drivers/io/socket_can.hpp"
-#include "rt/cpu_clock.hpp"
+#include "rt/clock.hpp"
 #include "tools/command/error.hpp"
 
 namespace odoless {
@@ -67,7 +67,7 @@ class ServoCan final : public ServoLine {
     }
     CanReceived received;
     for (int i = 0; i < kFramesPerRound && socket_.valid(); ++i) {
-      const Errc error = read_can(socket_.get(), monotonic_ns(), received);
+      const Errc error = read_can(socket_.get(), clock_, received);
       if (error == Errc::kNotYet || error == Errc::kLinkDown) {
         break;
       }
@@ -76,7 +76,7 @@ class ServoCan final : public ServoLine {
         break;
       }
       if (log_) {
-        log_->write({wall_us() - (monotonic_ns() - received.stamp_ns) / 1000, interface_, received.frame});
+        log_->write({wall_us() - (clock_.now_ns() - received.stamp_ns) / 1000, interface_, received.frame});
       }
       frames.emplace_back(as_bytes(received.frame).begin(), as_bytes(received.frame).end());
     }
@@ -100,6 +100,7 @@ class ServoCan final : public ServoLine {
     }
   }
 
+  MonotonicClock clock_;
   std::string interface_;
   std::optional<CandumpWriter> log_;
   FileDescriptor socket_;

@@ -15,8 +15,8 @@ std::int64_t ReplaySource::next_deadline_ns() const {
   return start_ns_ + static_cast<std::int64_t>(static_cast<double>(since_ns) / rate_);
 }
 
-void ReplaySource::work(std::int64_t now_ns, ScanSink& sink) {
-  if (!is_exhausted() && now_ns >= next_deadline_ns()) {
+void ReplaySource::work(const Clock& clock, ScanSink& sink) {
+  if (!is_exhausted() && clock.now_ns() >= next_deadline_ns()) {
     sink.on_scan(log_.scans[next_++].raw());
   }
 }

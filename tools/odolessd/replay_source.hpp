@@ -19,7 +19,7 @@ class ReplaySource final : public ScanSource {
 
   [[nodiscard]] int descriptor() const override { return -1; }
   [[nodiscard]] std::int64_t next_deadline_ns() const override;
-  void work(std::int64_t now_ns, ScanSink& sink) override;
+  void work(const Clock& clock, ScanSink& sink) override;
   [[nodiscard]] bool is_open() const override { return true; }
   [[nodiscard]] bool is_live() const override { return false; }
   [[nodiscard]] bool is_exhausted() const override { return next_ >= log_.scans.size(); }
