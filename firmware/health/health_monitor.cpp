@@ -11,6 +11,8 @@ StageHealth health_of(const StageReport& stage) {
           .p50_ms = static_cast<double>(stage.cpu.percentile(50.0)) * kMsPerNs,
           .p99_ms = static_cast<double>(stage.cpu.percentile(99.0)) * kMsPerNs,
           .max_ms = static_cast<double>(stage.cpu.max()) * kMsPerNs,
+          .longest = stage.longest,
+          .budget_ms = static_cast<double>(stage.budget_ns) * kMsPerNs,
           .deadline_misses = stage.deadline_misses};
 }
 

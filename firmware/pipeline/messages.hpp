@@ -30,6 +30,8 @@ struct FilterCommand {
 struct StageReport {
   std::int64_t scans = 0;
   LatencyHistogram cpu;
+  RoundTime longest;  ///< that of cpu.max()
+  std::int64_t budget_ns = 0;
   std::int64_t deadline_misses = 0;
   std::int64_t page_faults = 0;
   std::int64_t allocations = -1;

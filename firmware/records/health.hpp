@@ -57,12 +57,20 @@ struct SourceHealth {
   std::int64_t datagrams_lost = 0;
 };
 
+/// When a round of a stage was, by CLOCK_MONOTONIC, as in the kernel's own records.
+struct RoundTime {
+  std::int64_t begin_ns = 0;
+  std::int64_t end_ns = 0;
+};
+
 /// CPU time of a stage per scan since start.
 struct StageHealth {
   std::int64_t scans = 0;
   double p50_ms = 0.0;
   double p99_ms = 0.0;
   double max_ms = 0.0;
+  RoundTime longest;       ///< that of max_ms
+  double budget_ms = 0.0;  ///< a round that takes longer misses its deadline
   std::int64_t deadline_misses = 0;
 };
 

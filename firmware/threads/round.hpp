@@ -52,7 +52,10 @@ class StageTimer {
  public:
   explicit StageTimer(std::int64_t budget_ns) : budget_ns_(budget_ns) {}
 
-  void begin() { start_ns_ = thread_cpu_ns(); }
+  void begin() {
+    begin_ns_ = monotonic_ns();
+    start_ns_ = thread_cpu_ns();
+  }
 
   /// CPU time since `begin`.
   [[nodiscard]] std::int64_t used_ns() const { return thread_cpu_ns() - start_ns_; }
@@ -60,7 +63,11 @@ class StageTimer {
   /// @return  CPU time since `begin`.
   std::int64_t end(StageReport& report) const {
     const std::int64_t cpu_ns = used_ns();
+    if (cpu_ns > report.cpu.max()) {
+      report.longest = {begin_ns_, monotonic_ns()};
+    }
     report.cpu.record(cpu_ns);
+    report.budget_ns = budget_ns_;
     report.deadline_misses += cpu_ns > budget_ns_ ? 1 : 0;
     ++report.scans;
     return cpu_ns;
@@ -68,6 +75,7 @@ class StageTimer {
 
  private:
   std::int64_t budget_ns_;
+  std::int64_t begin_ns_ = 0;
   std::int64_t start_ns_ = 0;
 };
 

@@ -19,6 +19,8 @@ constexpr Rgb kPathColour{220, 50, 32};
 
 double in_ms(std::int64_t duration_ns) { return static_cast<double>(duration_ns) * 1e-6; }
 
+double in_s(std::int64_t time_ns) { return static_cast<double>(time_ns) * 1e-9; }
+
 /// Pairs [end of bucket in ms, scans]; empty buckets are left out.
 nlohmann::ordered_json histogram_of(const LatencyHistogram& cpu) {
   nlohmann::ordered_json histogram = nlohmann::ordered_json::array();
@@ -42,6 +44,9 @@ nlohmann::ordered_json cpu_summary(const LatencyHistogram& cpu) {
 nlohmann::ordered_json stage_summary(const StageHealth& stage, const LatencyHistogram& cpu) {
   nlohmann::ordered_json summary = cpu_summary(cpu);
   summary["scans"] = stage.scans;
+  summary["cpu_max_begin_s"] = in_s(stage.longest.begin_ns);
+  summary["cpu_max_end_s"] = in_s(stage.longest.end_ns);
+  summary["budget_ms"] = stage.budget_ms;
   summary["deadline_misses"] = stage.deadline_misses;
   return summary;
 }
