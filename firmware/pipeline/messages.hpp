@@ -30,7 +30,7 @@ struct FilterCommand {
 struct StageReport {
   std::int64_t scans = 0;
   LatencyHistogram cpu;
-  RoundTime longest;  ///< that of cpu.max()
+  LongestRounds longest{};
   std::int64_t budget_ns = 0;
   std::int64_t deadline_misses = 0;
   std::int64_t page_faults = 0;

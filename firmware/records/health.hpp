@@ -57,11 +57,14 @@ struct SourceHealth {
   std::int64_t datagrams_lost = 0;
 };
 
-/// When a round of a stage was, by CLOCK_MONOTONIC, as in the kernel's own records.
+/// A round of a stage: when it was by CLOCK_MONOTONIC, as in the kernel's own records, and its CPU time.
 struct RoundTime {
   std::int64_t begin_ns = 0;
   std::int64_t end_ns = 0;
+  std::int64_t cpu_ns = 0;
 };
+/// Those that took most CPU time since start, in no order; unused: all 0.
+using LongestRounds = std::array<RoundTime, 16>;
 
 /// CPU time of a stage per scan since start.
 struct StageHealth {
@@ -69,7 +72,7 @@ struct StageHealth {
   double p50_ms = 0.0;
   double p99_ms = 0.0;
   double max_ms = 0.0;
-  RoundTime longest;       ///< that of max_ms
+  LongestRounds longest{};
   double budget_ms = 0.0;  ///< a round that takes longer misses its deadline
   std::int64_t deadline_misses = 0;
 };

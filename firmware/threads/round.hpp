@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <ctime>
 
@@ -63,8 +64,9 @@ class StageTimer {
   /// @return  CPU time since `begin`.
   std::int64_t end(StageReport& report) const {
     const std::int64_t cpu_ns = used_ns();
-    if (cpu_ns > report.cpu.max()) {
-      report.longest = {begin_ns_, monotonic_ns()};
+    RoundTime& shortest = *std::ranges::min_element(report.longest, {}, &RoundTime::cpu_ns);
+    if (cpu_ns > shortest.cpu_ns) {
+      shortest = {begin_ns_, monotonic_ns(), cpu_ns};
     }
     report.cpu.record(cpu_ns);
     report.budget_ns = budget_ns_;

@@ -1,5 +1,6 @@
 #include "tools/odolessd/save.hpp"
 
+#include <algorithm>
 #include <array>
 #include <exception>
 #include <nlohmann/json.hpp>
@@ -32,6 +33,18 @@ nlohmann::ordered_json histogram_of(const LatencyHistogram& cpu) {
   return histogram;
 }
 
+/// The longest first; times of CLOCK_MONOTONIC.
+nlohmann::ordered_json rounds_of(LongestRounds longest) {
+  std::ranges::sort(longest, std::ranges::greater{}, &RoundTime::cpu_ns);
+  nlohmann::ordered_json rounds = nlohmann::ordered_json::array();
+  for (const RoundTime& round : longest) {
+    if (round.cpu_ns > 0) {
+      rounds.push_back({in_s(round.begin_ns), in_s(round.end_ns), in_ms(round.cpu_ns)});
+    }
+  }
+  return rounds;
+}
+
 nlohmann::ordered_json cpu_summary(const LatencyHistogram& cpu) {
   return {{"scans", cpu.count()},
           {"cpu_mean_ms", in_ms(cpu.mean())},
@@ -44,8 +57,7 @@ nlohmann::ordered_json cpu_summary(const LatencyHistogram& cpu) {
 nlohmann::ordered_json stage_summary(const StageHealth& stage, const LatencyHistogram& cpu) {
   nlohmann::ordered_json summary = cpu_summary(cpu);
   summary["scans"] = stage.scans;
-  summary["cpu_max_begin_s"] = in_s(stage.longest.begin_ns);
-  summary["cpu_max_end_s"] = in_s(stage.longest.end_ns);
+  summary["longest_rounds_begin_s_end_s_cpu_ms"] = rounds_of(stage.longest);
   summary["budget_ms"] = stage.budget_ms;
   summary["deadline_misses"] = stage.deadline_misses;
   return summary;
