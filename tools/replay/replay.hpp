@@ -8,6 +8,7 @@
 #include "config/robot_params.hpp"
 #include "core/geometry/stamped_pose.hpp"
 #include "core/grid/occupancy_map.hpp"
+#include "firmware/records/health.hpp"
 #include "tools/log/scan_log.hpp"
 #include "tools/output/matches.hpp"
 
@@ -37,6 +38,7 @@ struct ReplayResult {
   std::vector<double> scan_cpu_us;               ///< of matcher and filter, one per scan used
   std::vector<std::int64_t> rss_bytes_by_tenth;  ///< of the process, after each tenth of the scans
   double log_duration_s = 0.0;
+  SourceHealth source{};  ///< what the sensor stage took and refused, and what the stamps were like
 };
 
 /// Runs a log through the stages of the daemon on one thread. The same log, parameters and options give the same
