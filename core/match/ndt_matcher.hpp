@@ -1,8 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <cstdint>
-#include <optional>
 
 #include "core/base/deadline.hpp"
 #include "core/base/result.hpp"
@@ -14,10 +15,11 @@
 
 namespace odoless {
 
-/// Another answer that the scene allows.
-struct SecondPeak {
+/// An answer that the scene allows.
+struct MatchPeak {
   Pose2 reference_T_scan{};
-  double score_ratio = 0.0;  ///< its score over the best one's
+  double score = 0.0;   ///< as MatchResult::score
+  double weight = 0.0;  ///< probability that it is the right one of those found; all sum to 1
 };
 
 /// How a scan lies to its reference, and how far that can be trusted.
@@ -32,9 +34,15 @@ struct MatchResult {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< over (x_m, y_m, yaw_rad), reference's axes
   Point2 weak_direction{1.0,
                         0.0};  ///< unit vector of the translation that the scene constrains least, reference's axes
-  double strong_information_1_m2 = 0.0;   ///< curvature of the fitness across the weak direction
-  double weak_information_1_m2 = 0.0;     ///< curvature of the fitness along it; near zero in a featureless corridor
-  std::optional<SecondPeak> second_peak;  ///< another, distinct answer that scores nearly as well
+  double strong_information_1_m2 = 0.0;  ///< curvature of the fitness across the weak direction
+  double weak_information_1_m2 = 0.0;    ///< curvature of the fitness along it; near zero in a featureless corridor
+  std::array<MatchPeak, Peaks::kMost> peaks{};  ///< distinct answers, the result first
+  int peak_count = 0;
+
+  /// Score of the second peak over the best one's; 0 where there is none, or one worse than no match at all.
+  [[nodiscard]] double second_peak_ratio() const {
+    return peak_count > 1 ? std::max(0.0, peaks[1].score) / std::max(1e-9, score) : 0.0;
+  }
 };
 
 /// Where a scan is expected. The deviations say how far from there the motion may well lead; 0: anywhere in the box.
@@ -67,7 +75,11 @@ class NdtMatcher {
                                      Rng& rng, MatchResult& result);
   void probe(const SearchGround& ground, SearchOutcome& outcome, Point2 direction) const;
   void climb(const MatchReference& reference, const SearchOutcome& outcome, MatchResult& result) const;
-  [[nodiscard]] bool is_poor(const SearchOutcome& outcome) const { return outcome.best.score < params_.score_min; }
+  /// Of the answers, given the scan's points.
+  void weigh(const Peaks& peaks, MatchResult& result) const;
+  [[nodiscard]] bool is_poor(const SearchOutcome& outcome) const {
+    return outcome.peaks.best().score < params_.score_min;
+  }
 
   MatcherParams params_;
   SearchedScan scan_;

@@ -11,7 +11,7 @@ using RowMajor5 = Eigen::Matrix<double, MotionError::kSize, MotionError::kSize, 
 }  // namespace
 
 double second_peak_ratio(const MatchResult& match) {
-  return match.second_peak ? std::max(match.second_peak->score_ratio, 0.0) : 0.0;
+  return match.second_peak_ratio();
 }
 
 MotionRecord to_record(const OdometryStep& step) {
