@@ -10,7 +10,7 @@
 #include "core/base/usual_level.hpp"
 #include "core/match/match_reference.hpp"
 #include "core/match/ndt_matcher.hpp"
-#include "core/motion/motion_error.hpp"
+#include "core/motion/motion.hpp"
 #include "core/scan/scan_frame.hpp"
 
 namespace odoless {
@@ -81,20 +81,6 @@ struct LaserOdometryParams {
   }
 };
 
-/// One step of laser odometry.
-struct OdometryStep {
-  std::int64_t from_stamp_ns = 0;
-  std::int64_t to_stamp_ns = 0;
-  Pose2 previous_T_current{};
-  Pose2 odom_T_scan{};
-  Eigen::Matrix3d covariance =
-      Eigen::Matrix3d::Zero();  ///< of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes
-  MotionError error{};          ///< the same in full: what becomes of the error before
-  MatchResult match;
-  bool jolted = false;   ///< the scan matches the ones before much worse than is usual
-  bool matched = false;  ///< false for the first scan, and where nothing could be matched: then the prediction stands
-};
-
 /// Tracks the laser by matching each scan to the local map of the last key scans. No prior but constant velocity.
 ///
 /// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; one match per scan, and one
@@ -107,7 +93,7 @@ class LaserOdometry {
   [[nodiscard]] Velocity2 velocity() const { return {speed_x_mps_, speed_y_mps_, speed_yaw_radps_}; }
 
   /// `scan` has been made with room for no more beams than the constructor's `scan`.
-  [[nodiscard]] OdometryStep process(const ScanFrame& scan, const Deadline& deadline, Rng& rng);
+  [[nodiscard]] Motion process(const ScanFrame& scan, const Deadline& deadline, Rng& rng);
 
  private:
   struct KeyScan {
@@ -119,20 +105,19 @@ class LaserOdometry {
     double sd_rad;
     [[nodiscard]] Eigen::Matrix3d covariance() const;
   };
-  struct Prediction {
+  struct Estimate {
     Pose2 odom_T_scan;
-    MotionError error;
+    ErrorProcess error;
   };
   /// Constant velocity; what may be off of it.
-  [[nodiscard]] Prediction predict(double period_s) const;
+  [[nodiscard]] Estimate predict(double period_s) const;
   [[nodiscard]] Deviations deviations(double period_s) const;
   /// Kalman's update of the prediction by a match. [kalman1960]
-  void correct(const Prediction& prediction, const Pose2& odom_T_key, OdometryStep& step);
-  [[nodiscard]] Eigen::Matrix3d increment_covariance(const Prediction& prediction, const OdometryStep& step) const;
+  [[nodiscard]] Estimate corrected(const Estimate& prediction, const Pose2& odom_T_key, const MatchResult& match);
   [[nodiscard]] double steady_period_s(double period_s);
-  void remember(const OdometryStep& step, double period_s);
+  void remember(const Motion& motion, double period_s);
   /// Whether the local map shall begin anew with this scan.
-  [[nodiscard]] bool is_over_a_jolt(const OdometryStep& step, double period_s);
+  [[nodiscard]] bool is_over_a_jolt(const Motion& motion, double period_s);
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
   /// Of the key scans, seen from the newest.
   void rebuild_reference();
@@ -153,7 +138,7 @@ class LaserOdometry {
   double usual_period_s_ = 0.0;
   UsualLevel usual_score_;
   int jolt_scans_left_ = 0;
-  MotionError::Matrix covariance_ = MotionError::Matrix::Zero();  ///< of the error of odom_T_scan_ and the speed
+  ErrorProcess::Matrix covariance_ = ErrorProcess::Matrix::Zero();  ///< of the error of odom_T_scan_ and the speed
 };
 
 }  // namespace odoless

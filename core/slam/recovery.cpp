@@ -4,6 +4,12 @@
 #include <optional>
 
 namespace odoless {
+namespace {
+
+/// Matched in the narrow search, or then in the wide one.
+bool is_accepted(const Motion& motion) { return motion.matched() && !motion.has(kRejected); }
+
+}  // namespace
 
 Recovery::Recovery(const RecoveryParams& params, const ScanParams& scan, const Slam& slam)
     : params_(params),
@@ -33,10 +39,8 @@ void Recovery::note(const UpdateReport& report, int particles) {
   depleted_ = report.effective_particles < params_.tracking.depleted_share * particles;
 }
 
-void Recovery::move(const Pose2& previous_T_current) { relocaliser_.move(previous_T_current); }
-
 Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
-  move(tracked.previous_T_current);
+  relocaliser_.move(tracked.motion.previous_T_current);
   if (!params_.enabled) {
     return Advice::kGoOn;
   }
@@ -47,7 +51,7 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
   const bool can_tell = updates_ >= params_.tracking.updates_min && usual_.is_dense();
   const Advice advice = can_tell ? diagnose(slam, tracked) : Advice::kGoOn;
   if (state() == Tracking::kSure) {
-    usual_.add(tracked.previous_T_current);
+    usual_.add(tracked.motion.previous_T_current);
   }
   return advice;
 }
@@ -86,13 +90,14 @@ double Recovery::best_fit(Lslam& low, const Pose2& update_T_scan) const {
 
 TrackingSigns Recovery::signs_of(const TrackedScan& tracked) const {
   const TrackingParams& params = params_.tracking;
-  const bool is_open = tracked.weak_information_1_m2 < params.weak_information_1_m2;
-  const bool is_far = tracked.escalated || usual_.is_too_fast(tracked.previous_T_current, tracked.period_s);
+  const Motion& motion = tracked.motion;
+  const bool is_open = motion.weak_information_1_m2 < params.weak_information_1_m2;
+  const bool is_far = motion.has(kEscalated) || usual_.is_too_fast(motion.previous_T_current, motion.duration_s());
   const bool is_poor = last_fit_ < params.usual_share * usual_fit_.value();
   return {.fit = last_fit_,
           .suspect = depleted_ || is_open,
-          .carried = is_far && usual_.is_unusual(tracked.previous_T_current),
-          .torn = !tracked.matched || (tracked.jolted && is_poor),
+          .carried = is_far && usual_.is_unusual(motion.previous_T_current),
+          .torn = !is_accepted(motion) || (motion.has(kJolted) && is_poor),
           .usual_fit = usual_fit_.value()};
 }
 
@@ -117,7 +122,7 @@ Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
 }
 
 bool Recovery::has_waited_enough(const TrackedScan& tracked) {
-  matched_s_ = tracked.matched ? matched_s_ + tracked.period_s : 0.0;
+  matched_s_ = is_accepted(tracked.motion) ? matched_s_ + tracked.motion.duration_s() : 0.0;
   return params_.search.resume_after_s > 0.0 && matched_s_ >= params_.search.resume_after_s;
 }
 

@@ -12,13 +12,8 @@ namespace odoless {
 /// A scan as the tracking has it.
 struct TrackedScan {
   const ScanFrame& scan;
-  Pose2 update_T_scan;                 ///< from the filter's last update to the scan
-  Pose2 previous_T_current;            ///< from the last scan to this one
-  bool jolted = false;                 ///< it matches the ones before much worse than is usual
-  bool matched = true;                 ///< in the narrow search, or then in the wide one
-  double period_s = 0.0;               ///< from the last scan to this one
-  bool escalated = false;              ///< not in the narrow one
-  double weak_information_1_m2 = 0.0;  ///< MatchResult's
+  Pose2 update_T_scan;   ///< from the filter's last update to the scan
+  const Motion& motion;  ///< from the last scan that was processed to this one
 };
 
 /// What to do with a scan.
@@ -46,8 +41,6 @@ class Recovery {
   void trust();
   /// What an update of the filter said.
   void note(const UpdateReport& report, int particles);
-  /// A motion whose scan was lost.
-  void move(const Pose2& previous_T_current);
   /// Every scan after the first, before the filter takes it.
   [[nodiscard]] Advice process(Slam& slam, const TrackedScan& tracked);
 

@@ -5,7 +5,7 @@ namespace odoless {
 MatcherStage::MatcherStage(const RobotParams& params, std::uint64_t seed)
     : odometry_(params.odometry, params.matcher, params.scan), rng_(seed, 1) {}
 
-OdometryStep MatcherStage::process(ScanFrame& scan, const Deadline& deadline) {
+Motion MatcherStage::process(ScanFrame& scan, const Deadline& deadline) {
   scan.deskew(odometry_.velocity());
   return odometry_.process(scan, deadline, rng_);
 }

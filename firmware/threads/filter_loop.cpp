@@ -46,14 +46,14 @@ void FilterLoop::process(const MotionMessage& message) {
   timer_.begin();
   const std::int64_t time_ns = update_time_ns(message);
   const CpuDeadline deadline(time_ns);
-  const FilterStep step = message.slot == kNoSlot ? stage_.process(message.step)
-                                                  : stage_.process(pipeline_.pool.at(message.slot), message.step,
+  const FilterStep step = message.slot == kNoSlot ? stage_.process(message.motion)
+                                                  : stage_.process(pipeline_.pool.at(message.slot), message.motion,
                                                                    pipeline_.lossless ? Deadline{} : deadline.view());
   if (message.slot != kNoSlot) {
     const bool pushed = pipeline_.slots_from_filter.try_push(message.slot);
     ODOLESS_CHECK(pushed);  // there is room for every slot
   }
-  publish(step, message.step);
+  publish(step, message.motion);
   const std::int64_t used_ns = timer_.end(report_.stage);
   report_.with_matcher.record(used_ns + message.matcher_cpu_ns);
   if (step.updated && !pipeline_.lossless) {
@@ -95,7 +95,7 @@ void FilterLoop::adapt(std::int64_t used_ns, std::int64_t time_ns) {
   stage_.set_particles(static_cast<int>(particles_));
 }
 
-void FilterLoop::publish(const FilterStep& step, const OdometryStep& motion) {
+void FilterLoop::publish(const FilterStep& step, const Motion& motion) {
   const PoseEstimate estimate = stage_.filter().estimate();
   PoseRecord record;
   record.stamp_ns = motion.to_stamp_ns;

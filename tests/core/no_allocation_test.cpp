@@ -123,7 +123,7 @@ TEST_F(NoAllocation, LaserOdometryAllocatesNothingAlsoForKeyScansAndBlindOnes) {
     const ScanFrame scan =
         sweep(i % 10 == 7 ? SimulatedScene{} : cluttered_room(), {}, map_T_scan, rng, std::int64_t{i} * 100'000'000);
     const AllocationGuard guard;
-    const bool matched = odometry.process(scan, {}, rng).matched;
+    const bool matched = odometry.process(scan, {}, rng).matched();
     calls += guard.calls();
     EXPECT_EQ(matched, i > 0 && i % 10 != 7) << i;
   }
@@ -144,7 +144,7 @@ TEST_F(NoAllocation, LslamUpdateAllocatesNothingEvenWithFullPools) {
     for (int i = 0; i < 50; ++i) {
       room.step();
       const AllocationGuard guard;
-      refused += lslam.update(room.increment(), room.scan()).refused_tiles;
+      refused += lslam.update(room.motion(), room.scan()).refused_tiles;
       static_cast<void>(lslam.estimate());
       calls += guard.calls();
     }
@@ -170,7 +170,7 @@ TEST_F(NoAllocation, SlamWithBothLevelsAllocatesNothing) {
     for (int i = 0; i < 60; ++i) {
       room.step();
       const AllocationGuard guard;
-      static_cast<void>(slam.update(room.increment(), room.scan()));
+      static_cast<void>(slam.update(room.motion(), room.scan()));
       slam.work();
       static_cast<void>(slam.estimate());
       static_cast<void>(slam.map_T_scan());

@@ -92,10 +92,10 @@ FilterStep KidnappedRobot::scan() {
   const Errc error = frame_.assign(
       {.stamp_ns = stamp_ns, .start_angle_rad = kStart_rad, .angle_step_rad = kStep_rad, .ranges_m = ranges_m_});
   ODOLESS_CHECK(error == Errc::kOk);
-  const OdometryStep step = matcher_.process(frame_);
+  const Motion motion = matcher_.process(frame_);
   const AllocationGuard guard;
   const std::int64_t before_ns = thread_cpu_ns();
-  const FilterStep out = filter_.process(frame_, step);
+  const FilterStep out = filter_.process(frame_, motion);
   slice_us_ = static_cast<double>(thread_cpu_ns() - before_ns) * 1e-3;
   heap_calls_ += guard.calls();
   map_T_scan_ = out.map_T_scan;

@@ -40,10 +40,12 @@ MatchRow row_of(const ScanLog& log, int reference_index, int index) {
   return row;
 }
 
-void fill_quality(MatchRow& row, const MatchResult& match, std::int64_t cpu_ns) {
+// Of a Motion or a MatchResult.
+template <class Match>
+void fill_quality(MatchRow& row, const Match& match, bool converged, std::int64_t cpu_ns) {
   row.fitness = match.fitness;
   row.evaluations = match.evaluations;
-  row.converged = match.converged;
+  row.converged = converged;
   row.time_us = static_cast<double>(cpu_ns) * 1e-3;
 }
 
@@ -81,9 +83,9 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
   for (std::size_t i = 0; i < used.size(); ++i) {
     assign(frame, log, used[i]);
     const std::int64_t start_ns = thread_cpu_ns();
-    const OdometryStep step = matcher.process(frame);
+    const Motion motion = matcher.process(frame);
     const std::int64_t cpu_ns = thread_cpu_ns() - start_ns;
-    steps.push_back(filter.process(frame, step));
+    steps.push_back(filter.process(frame, motion));
     result.scan_cpu_us.push_back(static_cast<double>(thread_cpu_ns() - start_ns) * 1e-3);
     count(steps.back(), result);
     if ((i + 1) * 10 / used.size() > i * 10 / used.size()) {
@@ -94,13 +96,13 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
     result.online_trajectory.push_back({frame.stamp_ns(), steps.back().map_T_scan});
     if (i > 0) {
       MatchRow row = row_of(log, used[i - 1], used[i]);
-      row.reference_T_scan = step.previous_T_current;
-      fill_quality(row, step.match, cpu_ns);
+      row.reference_T_scan = motion.previous_T_current;
+      fill_quality(row, motion, motion.has(kConverged), cpu_ns);
       result.matches.push_back(row);
-      result.poor_matches += step.match.converged ? 0 : 1;
-      result.retried_matches += step.match.escalated ? 1 : 0;
+      result.poor_matches += motion.has(kConverged) ? 0 : 1;
+      result.retried_matches += motion.has(kEscalated) ? 1 : 0;
     }
-    progress(static_cast<std::int64_t>(i) + 1, static_cast<std::int64_t>(used.size()), step.match.fitness);
+    progress(static_cast<std::int64_t>(i) + 1, static_cast<std::int64_t>(used.size()), motion.fitness);
   }
   filter.filter().finish();
   std::vector<StampedPose> path;
@@ -133,7 +135,7 @@ std::vector<MatchRow> match_pairs(const ScanLog& log, const RobotParams& params,
     const std::int64_t cpu_ns = thread_cpu_ns() - start_ns;
     const MatchResult found = match.ok() ? match.value() : MatchResult{};  // nothing to match: no motion, fitness 0
     row.reference_T_scan = found.reference_T_scan;
-    fill_quality(row, found, cpu_ns);
+    fill_quality(row, found, found.converged, cpu_ns);
     rows.push_back(row);
     progress(static_cast<std::int64_t>(i), static_cast<std::int64_t>(used.size()) - 1, found.fitness);
   }
