@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "firmware/records/convert.hpp"
+#include "firmware/stages/stage_reports.hpp"
 
 namespace odoless {
 
@@ -105,13 +106,7 @@ void MatcherLoop::flush() {
 }
 
 void MatcherLoop::report(const OdometryStep& step) {
-  report_.fitness = step.match.fitness;
-  report_.second_peak_ratio = second_peak_ratio(step.match);
-  report_.strong_information_1_m2 = step.match.strong_information_1_m2;
-  report_.weak_information_1_m2 = step.match.weak_information_1_m2;
-  report_.evaluations = step.match.evaluations;
-  report_.poor_in_a_row = step.match.converged || report_.stage.scans <= 1 ? 0 : report_.poor_in_a_row + 1;
-  report_.deadline_hit = step.match.stop == StopReason::kDeadline;
+  enter(step, report_);
   meter_.read(report_.stage);
   pipeline_.matcher.report.write(report_);
 }
