@@ -35,7 +35,7 @@ class FilterLoop {
   /// CPU time until an update after this match is cut short.
   [[nodiscard]] std::int64_t update_time_ns(const MotionMessage& message) const;
   void adapt(std::int64_t used_ns, std::int64_t time_ns);
-  void report(const FilterStep& step);
+  void report();
 
   Pipeline& pipeline_;
   FilterStage& stage_;

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "firmware/stages/stage_reports.hpp"
+
 namespace odoless {
 
 Intake::Intake(Pipeline& pipeline, const Clock& clock, bool live, bool publish_scans)
@@ -85,16 +87,12 @@ void Intake::on_event(EventPriority priority, EventText text, std::int64_t numbe
 void Intake::report(const ScanSource& source, const TiltReport& tilt, const StageReport& stage) {
   SensorReport report;
   report.stage = stage;
-  report.source = stage_.counts();
+  enter(stage_, report);
   source.add_counts(report.source);
   report.source.dropped = static_cast<std::int64_t>(pipeline_.scans.evicted()) + without_slot_;
-  report.last_scan_ns = stage_.last_scan_ns();
-  report.period_ns = stage_.period_ns();
   report.open = source.is_open();
   report.tilt = tilt;
   report.tilt.held_back = not_level_;
-  report.blind = stage_.is_blind();
-  report.stuck = stage_.is_stuck();
   pipeline_.sensor.report.write(report);
 }
 

@@ -1,5 +1,7 @@
 #include "firmware/threads/matcher_loop.hpp"
 
+#include "firmware/stages/stage_reports.hpp"
+
 namespace odoless {
 
 MatcherLoop::MatcherLoop(Pipeline& pipeline, MatcherStage& stage, std::int64_t budget_ns, bool to_filter)
@@ -87,13 +89,7 @@ void MatcherLoop::flush() {
 }
 
 void MatcherLoop::report(const Motion& motion) {
-  report_.fitness = motion.fitness;
-  report_.second_peak_ratio = motion.second_peak_ratio;
-  report_.strong_information_1_m2 = motion.strong_information_1_m2;
-  report_.weak_information_1_m2 = motion.weak_information_1_m2;
-  report_.evaluations = motion.evaluations;
-  report_.poor_in_a_row = motion.has(kConverged) || report_.stage.scans <= 1 ? 0 : report_.poor_in_a_row + 1;
-  report_.deadline_hit = motion.has(kDeadlineHit);
+  enter(motion, report_);
   meter_.read(report_.stage);
   pipeline_.matcher.report.write(report_);
 }
