@@ -50,8 +50,9 @@ MatcherParams seed_matcher_params() {
   return params;
 }
 
-Expectation expect_rest(const MatcherParams& params, double period_s) {
-  return {Pose2{}, params.speed_sd_mps * std::max(0.0, period_s), params.turn_rate_sd_radps * std::max(0.0, period_s)};
+Expectation expect_rest(const RobotLimits& limits, double period_s) {
+  const double time_s = std::max(0.0, period_s);
+  return {Pose2{}, limits.speed_max_mps * time_s, limits.turn_rate_max_radps * time_s};
 }
 
 NdtMatcher::NdtMatcher(const MatcherParams& params)
@@ -84,6 +85,7 @@ Result<MatchResult> NdtMatcher::match(MatchReference& reference, const ScanFrame
 
   MatchResult result;
   const MotionPrior prior{expected.reference_T_scan, expected.sd_m, expected.sd_rad, params_.prior_weight};
+  result.escalated = expected.is_wide;
   SearchOutcome outcome = search(reference, prior, deadline, rng, result);
   climb(reference, outcome, result);
   const double before = outcome.peaks.best().score;
@@ -106,7 +108,8 @@ SearchOutcome NdtMatcher::search(MatchReference& reference, const MotionPrior& p
                             reference.exact_ndt()};
   SearchOutcome first = search_.run(ground, scan_, deadline, rng);
   // What has climbed out of the box is one of the answers out there, and not the best of them for sure.
-  if ((!is_poor(first) && search_.box().holds(first.peaks.best().point)) || first.stop == StopReason::kDeadline) {
+  const bool is_enough = !result.escalated && !is_poor(first) && search_.box().holds(first.peaks.best().point);
+  if (is_enough || first.stop == StopReason::kDeadline) {
     return first;
   }
   result.escalated = true;

@@ -12,6 +12,7 @@
 #include "core/match/matcher_params.hpp"
 #include "core/match/pose_search.hpp"
 #include "core/match/refine.hpp"
+#include "core/motion/robot_limits.hpp"
 
 namespace odoless {
 
@@ -50,18 +51,18 @@ struct Expectation {
   Pose2 reference_T_scan{};
   double sd_m = 0.0;
   double sd_rad = 0.0;
+  bool is_wide = false;  ///< it may well lead out of the box: the wide search is run as well
 };
 
 /// Of a pair of scans `period_s` apart about which nothing else is known: no motion, give or take what the speeds
 /// allow. A period of 0 or less, as in logs without stamps, allows all.
-[[nodiscard]] Expectation expect_rest(const MatcherParams& params, double period_s);
+[[nodiscard]] Expectation expect_rest(const RobotLimits& limits, double period_s);
 
 /// Matches a scan to a reference by a global search over the NDT score, with no prior but the centre of the box.
 ///
-/// A poor match, and one that climbed out of the box, is tried once more with wide cells, a wider box and every
-/// rotation, and says so.
-/// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; bounded evaluations; at a
-/// deadline the best so far.
+/// A poor match, one that climbed out of the box, and one that is expected anywhere are tried once more with wide
+/// cells, a wider box and every rotation, and say so. Memory is fixed at construction. Thread: owned by one thread.
+/// Real time: no allocation; bounded evaluations; at a deadline the best so far.
 class NdtMatcher {
  public:
   explicit NdtMatcher(const MatcherParams& params);
@@ -71,6 +72,7 @@ class NdtMatcher {
                                           const Deadline& deadline, Rng& rng);
 
  private:
+  /// @param result  With `escalated` the wide search is run for sure; else it says whether it was.
   [[nodiscard]] SearchOutcome search(MatchReference& reference, const MotionPrior& prior, const Deadline& deadline,
                                      Rng& rng, MatchResult& result);
   void probe(const SearchGround& ground, SearchOutcome& outcome, Point2 direction) const;

@@ -136,6 +136,7 @@ Motion Motion::then(const Motion& next) const {
   sum.evaluations = saturated_sum(evaluations, next.evaluations);
   sum.steps = saturated_sum(steps, next.steps);
   sum.flags = (flags & next.flags & kOfBoth) | ((flags | next.flags) & ~kOfBoth);
+  sum.probability = probability * next.probability;
   sum.log_weight = log_weight + next.log_weight;
   if (alternative_count + next.alternative_count > 0) {
     compose_alternatives(*this, next, sum);

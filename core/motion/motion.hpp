@@ -58,7 +58,8 @@ struct Motion {
   double strong_information_1_m2 = 0.0;
   double weak_information_1_m2 = 0.0;
 
-  double log_weight = 0.0;                                        ///< of previous_T_current against the alternatives
+  double probability = 1.0;  ///< that previous_T_current, or one of the alternatives, is right within 0.5 m and 5 deg
+  double log_weight = 0.0;   ///< of previous_T_current against the alternatives
   std::array<MotionHypothesis, kAlternativesMax> alternatives{};  ///< other than previous_T_current, heaviest first
 
   std::int32_t alternative_count = 0;
@@ -88,7 +89,7 @@ struct Motion {
   ///
   /// Poses, error processes, durations (as independent ones), evaluations and steps add up. It is matched and converged
   /// if both are; escalated, cut short, jolted or rejected if one is. Of figures the worse one stands: the least
-  /// fitness, score and information, the largest second peak.
+  /// fitness, score and information, the largest second peak. Probabilities multiply.
   /// Hypotheses: each of this with each of the next, weights multiplied. From the heaviest on, one within 0.1 m and
   /// 2 deg of a heavier one gives that its weight; four others at most are kept.
   /// Real time: no allocation.

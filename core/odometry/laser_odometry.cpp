@@ -6,13 +6,17 @@
 
 #include "core/base/scan_span.hpp"
 #include "core/geometry/pose2_covariance.hpp"
+#include "core/odometry/step_probability.hpp"
 
 namespace odoless {
 namespace {
 
 constexpr double kMatch_sd_m = 0.01;  // what no covariance of a match may undercut: cells, thinning, distortion
 constexpr double kMatch_sd_rad = 0.003;
-constexpr double kHole_s = 1.0;  // between two scans: who sees little again after it may have gone there by itself
+constexpr double kCredible = 0.9;     // a step that is less probable breaks the local map, and tells no speed
+constexpr double kWeight_min = 0.05;  // of another answer that particles shall try
+constexpr double kReach_deviations = 3.0;
+constexpr double kWide_m = 3.0;  // where the motion may lead farther, a search near the expected pose is not enough
 constexpr double kSpeed_kept_unmatched = 0.5;
 
 void copy_figures(const MatchResult& match, Motion& motion) {
@@ -30,13 +34,15 @@ void copy_figures(const MatchResult& match, Motion& motion) {
 
 }  // namespace
 
-LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const MatcherParams& matcher, const ScanParams& scan)
+LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const RobotLimits& limits, const MatcherParams& matcher,
+                             const ScanParams& scan)
     : params_(params),
+      limits_(limits),
       matcher_(matcher),
       reference_(params.local_map, matcher.points_max * params.key_scans),
       keys_(static_cast<std::size_t>(params.key_scans), KeyScan{ScanFrame(scan), {}}),
       placed_(static_cast<std::size_t>(params.key_scans)) {
-  ODOLESS_CHECK(parameters_in_range(params));
+  ODOLESS_CHECK(parameters_in_range(params) && parameters_in_range(limits));
   covariance_.bottomRightCorner<2, 2>().diagonal().setConstant(0.5 * params.speed_error_max_mps *
                                                                params.speed_error_max_mps);
 }
@@ -51,14 +57,11 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   const Estimate prediction = predict(period_s);
   const Pose2 odom_T_key = reference_.empty() ? odom_T_scan_ : odom_T_key_;
   const Pose2 key_T_scan = odom_T_key.inverse() * prediction.odom_T_scan;
-  const Deviations expected = deviations(period_s);
-  const double widening = params_.expectation_widening;
+  const MotionReach reach = expected_reach(period_s + motion.duration_sd_s);
   const Result<MatchResult> match = matcher_.match(
-      reference_, scan, {key_T_scan, widening * expected.sd_m, widening * expected.sd_rad}, deadline, rng);
+      reference_, scan, {key_T_scan, reach.distance_m, reach.rotation_rad, reach.distance_m > kWide_m}, deadline, rng);
   copy_figures(match.ok() ? match.value() : MatchResult{}, motion);
   motion.set(kMatched, match.ok());
-  const bool is_hole = period_s > kHole_s;
-  motion.set(kJolted, match.ok() && !is_hole && motion.score < params_.jolt_share * usual_score_.value());
   // The first scan is where the run begins.
   Estimate estimate{prediction.odom_T_scan, started_ ? prediction.error : ErrorProcess{}};
   if (match.ok()) {
@@ -68,8 +71,9 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   motion.odom_T_current = estimate.odom_T_scan;
   motion.previous_T_current = odom_T_scan_.inverse() * estimate.odom_T_scan;
   motion.set_error(estimate.error);
+  judge(match, odom_T_key, period_s, motion);
   remember(motion, period_s);
-  if (is_over_a_jolt(motion, period_s)) {
+  if (begins_anew(motion)) {
     key_count_ = 0;
     add_key(scan, odom_T_scan_);
   } else if (reference_.empty() || (odom_T_key.inverse() * odom_T_scan_).distance_m({}) > params_.key_distance_m ||
@@ -79,14 +83,43 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   return motion;
 }
 
-bool LaserOdometry::is_over_a_jolt(const Motion& motion, double period_s) {
-  if (motion.matched()) {
-    usual_score_.add(motion.score, std::min(period_s, ScanSpan::kMax_s));
+void LaserOdometry::judge(const Result<MatchResult>& match, const Pose2& odom_T_key, double period_s, Motion& motion) {
+  if (!started_) {
+    return;
+  }
+  const double usual = usual_score_.value();
+  motion.probability =
+      step_probability(limits_, {.period_s = period_s,
+                                 .period_sd_s = motion.duration_sd_s,
+                                 .matched = match.ok(),
+                                 .score_share = usual > 0.0 ? std::max(1e-9, motion.score / usual) : 0.0});
+  motion.set(kJolted, match.ok() && motion.score < params_.poor_share * usual);
+  if (!match.ok()) {
+    return;
+  }
+  const std::span<const MatchPeak> peaks =
+      std::span(match.value().peaks).first(static_cast<std::size_t>(match.value().peak_count));
+  motion.log_weight = std::log(peaks[0].weight);
+  for (const MatchPeak& peak : peaks.subspan(1)) {
+    if (peak.weight >= kWeight_min) {
+      motion.alternatives[static_cast<std::size_t>(motion.alternative_count++)] = {
+          odom_T_scan_.inverse() * (odom_T_key * peak.reference_T_scan), std::log(peak.weight),
+          rows_of<3>(motion.covariance())};
+    }
+  }
+  usual_score_.add(motion.score, std::min(period_s, ScanSpan::kMax_s));
+}
+
+// What was mapped before an incredible step, or a poor match, may be elsewhere.
+bool LaserOdometry::begins_anew(const Motion& motion) {
+  if (motion.probability < kCredible) {
+    unsettled_scans_ = 0;
+    return true;
   }
   if (motion.has(kJolted)) {
-    jolt_scans_left_ = params_.jolt_scans;
+    unsettled_scans_ = params_.settled_scans;
   }
-  return !motion.has(kJolted) && jolt_scans_left_ > 0 && --jolt_scans_left_ == 0;
+  return !motion.has(kJolted) && unsettled_scans_ > 0 && --unsettled_scans_ == 0;
 }
 
 // Devices scan steadily; stamps that waver about the usual period say more of the computer than of the laser.
@@ -101,9 +134,10 @@ double LaserOdometry::steady_period_s(double period_s) {
 
 void LaserOdometry::remember(const Motion& motion, double period_s) {
   // A blind robot is not taken to drive on for ever, and one that was carried away not to go on like that.
-  const bool is_fast = motion.previous_T_current.distance_m({}) > params_.leap_mps * period_s ||
-                       std::abs(motion.previous_T_current.yaw_rad) > params_.leap_radps * period_s;
-  const bool leapt = motion.matched() && (motion.has(kJolted) || (motion.has(kEscalated) && is_fast));
+  const bool is_fast = motion.previous_T_current.distance_m({}) > limits_.speed_max_mps * period_s ||
+                       std::abs(motion.previous_T_current.yaw_rad) > limits_.turn_rate_max_radps * period_s;
+  const bool leapt = motion.matched() &&
+                     (motion.has(kJolted) || motion.probability < kCredible || (motion.has(kEscalated) && is_fast));
   const double kept = leapt ? 0.0 : motion.matched() ? 1.0 : kSpeed_kept_unmatched;
   speed_x_mps_ *= kept;
   speed_y_mps_ *= kept;
@@ -135,7 +169,7 @@ LaserOdometry::Estimate LaserOdometry::predict(double period_s) const {
   noise.topRightCorner<2, 2>() = 0.5 * walk * period_s * period_s * turn;
   noise.bottomLeftCorner<2, 2>() = noise.topRightCorner<2, 2>().transpose();
   noise.bottomRightCorner<2, 2>().diagonal().setConstant(walk * period_s);
-  const double sd_rad = deviations(period_s).sd_rad;
+  const double sd_rad = expected_reach(period_s).rotation_rad / kReach_deviations;
   noise(2, 2) = sd_rad * sd_rad;
   const ErrorProcess::Matrix ahead = out.error.after(covariance_);
   const double variance = ahead.bottomRightCorner<2, 2>().trace();
@@ -145,13 +179,12 @@ LaserOdometry::Estimate LaserOdometry::predict(double period_s) const {
   return {out.odom_T_scan, {covariance_, bound * transition, bound * noise * bound}};
 }
 
-LaserOdometry::Deviations LaserOdometry::deviations(double period_s) const {
+MotionReach LaserOdometry::expected_reach(double period_s) const {
   // At a high rate the speed itself is uncertain: a match's error is divided by a short period. An expectation that
   // shrinks with the square of the period would then hold the estimate back where the robot starts or turns.
   // Stamps that are the same or run backwards say nothing of that.
-  const double span_s =
-      period_s > params_.period_min_s ? std::max(period_s, params_.expectation_period_min_s) : period_s;
-  return {params_.acceleration_sd_mps2 * span_s * span_s, params_.angular_acceleration_sd_radps2 * span_s * span_s};
+  return reach_of(limits_,
+                  period_s > params_.period_min_s ? std::max(period_s, params_.expectation_period_min_s) : period_s);
 }
 
 LaserOdometry::Estimate LaserOdometry::corrected(const Estimate& prediction, const Pose2& odom_T_key,

@@ -103,16 +103,18 @@ void read_motion(WireReader& reader, Motion& motion) {
   motion.evaluations = reader.int32();
   motion.steps = reader.int32();
   motion.flags = reader.unsigned_number<std::uint32_t>();
+  motion.probability = reader.real64();
   motion.log_weight = reader.real64();
 }
 
 bool is_sane_motion(const Motion& motion) {
   return motion.from_stamp_ns <= motion.to_stamp_ns && motion.duration_ns >= 0 &&
-         motion.duration_ns <= kDurationMaxNs && is_sane_share(motion.duration_sd_s) &&
-         is_sane_pose(motion.previous_T_current) && is_sane_pose(motion.odom_T_current) && is_sane_error(motion) &&
-         is_sane_share(motion.fitness) && is_sane(motion.score) && is_sane_share(motion.second_peak_ratio) &&
-         is_sane(motion.strong_information_1_m2) && is_sane(motion.weak_information_1_m2) && motion.evaluations >= 0 &&
-         motion.steps > 0 && (motion.flags & ~kMotionFlags) == 0 && is_sane_log_weight(motion.log_weight) &&
+         motion.duration_ns <= kDurationMaxNs && is_sane_share(motion.duration_sd_s) && motion.probability >= 0.0 &&
+         motion.probability <= 1.0 && is_sane_pose(motion.previous_T_current) && is_sane_pose(motion.odom_T_current) &&
+         is_sane_error(motion) && is_sane_share(motion.fitness) && is_sane(motion.score) &&
+         is_sane_share(motion.second_peak_ratio) && is_sane(motion.strong_information_1_m2) &&
+         is_sane(motion.weak_information_1_m2) && motion.evaluations >= 0 && motion.steps > 0 &&
+         (motion.flags & ~kMotionFlags) == 0 && is_sane_log_weight(motion.log_weight) &&
          std::all_of(motion.others().begin(), motion.others().end(), is_sane_hypothesis);
 }
 

@@ -131,6 +131,7 @@ void to_message(const Motion& motion, motion_t& message) {
   message.evaluations = motion.evaluations;
   message.steps = motion.steps;
   message.flags = static_cast<std::int32_t>(motion.flags);
+  message.probability = motion.probability;
   message.log_weight = motion.log_weight;
   message.alternative_count = motion.alternative_count;
   message.alternatives.resize(motion.others().size());

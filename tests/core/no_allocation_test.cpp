@@ -115,7 +115,7 @@ TEST_F(NoAllocation, RebuildAndMatchAllocateNothingEvenWhenTheyTryAgain) {
 }
 
 TEST_F(NoAllocation, LaserOdometryAllocatesNothingAlsoForKeyScansAndBlindOnes) {
-  LaserOdometry odometry({.key_scans = 5}, {}, {});
+  LaserOdometry odometry({.key_scans = 5}, {}, {}, {});
   Rng rng(1);
   long calls = 0;
   for (int i = 0; i < 30; ++i) {

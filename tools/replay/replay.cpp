@@ -130,7 +130,7 @@ std::vector<MatchRow> match_pairs(const ScanLog& log, const RobotParams& params,
     const PlacedScan placed{&previous, {}};
     static_cast<void>(reference.rebuild({&placed, 1}));
     const double period_s = log.has_stamps ? row.stamp_s - row.reference_stamp_s : 0.0;
-    const Expectation expected = expect_rest(params.matcher, period_s);
+    const Expectation expected = expect_rest(params.limits, period_s);
     const Result<MatchResult> match = matcher.match(reference, current, expected, {}, rng);
     const std::int64_t cpu_ns = thread_cpu_ns() - start_ns;
     const MatchResult found = match.ok() ? match.value() : MatchResult{};  // nothing to match: no motion, fitness 0
