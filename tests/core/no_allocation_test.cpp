@@ -63,6 +63,19 @@ TEST_F(NoAllocation, GuardNoticesEveryKindOfHeapCall) {
   expect_new_calls("vector");
 }
 
+TEST_F(NoAllocation, MotionsCompose) {
+  Motion sum;
+  Motion motion = Motion::between(0, 1, {0.5, 0.0, 0.1});
+  motion.alternatives[0] = {{0.2, 0.0, 0.1}, -1.0, {}};
+  motion.alternative_count = 1;
+  const AllocationGuard guard;
+  for (int i = 0; i < 20; ++i) {
+    sum = sum.then(motion);
+  }
+  EXPECT_EQ(guard.calls(), 0);
+  EXPECT_EQ(sum.alternative_count, static_cast<int>(Motion::kAlternativesMax));
+}
+
 TEST_F(NoAllocation, GuardCountsItsOwnThreadAlone) {
   std::atomic<int> stage = 0;
   std::thread other([&stage] {
