@@ -116,6 +116,27 @@ Eigen::Matrix3d Motion::covariance() const {
   return turned(error().motion_covariance(previous_T_current), previous_T_current.yaw_rad);
 }
 
+double Motion::weight() const {
+  double sum = 1.0;
+  for (const MotionHypothesis& other : others()) {
+    sum += std::exp(other.log_weight - log_weight);
+  }
+  return 1.0 / sum;
+}
+
+const Pose2& Motion::at_share(double share) const {
+  const double own = weight();
+  double sum = own;
+  const MotionHypothesis* chosen = nullptr;
+  for (const MotionHypothesis& other : others()) {
+    if (share >= sum) {
+      chosen = &other;
+    }
+    sum += own * std::exp(other.log_weight - log_weight);
+  }
+  return chosen == nullptr ? previous_T_current : chosen->previous_T_current;
+}
+
 Motion Motion::then(const Motion& next) const {
   if (steps == 0 || next.steps == 0) {
     return steps == 0 ? next : *this;

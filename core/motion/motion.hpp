@@ -81,6 +81,11 @@ struct Motion {
   /// Of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes.
   [[nodiscard]] Eigen::Matrix3d covariance() const;
 
+  /// Share of previous_T_current in the weight of all hypotheses.
+  [[nodiscard]] double weight() const;
+  /// The hypothesis at a share, from 0 to 1, of the weight of all.
+  [[nodiscard]] const Pose2& at_share(double share) const;
+
   [[nodiscard]] std::span<const MotionHypothesis> others() const {
     return std::span(alternatives).first(static_cast<std::size_t>(alternative_count));
   }

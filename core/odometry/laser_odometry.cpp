@@ -15,6 +15,8 @@ constexpr double kMatch_sd_m = 0.01;  // what no covariance of a match may under
 constexpr double kMatch_sd_rad = 0.003;
 constexpr double kCredible = 0.9;     // a step that is less probable breaks the local map, and tells no speed
 constexpr double kWeight_min = 0.05;  // of another answer that particles shall try
+constexpr double kSlack_m = 0.1;      // of a step beyond the robot's limits: what the match may be off by
+constexpr double kSlack_rad = 0.05;
 constexpr double kReach_deviations = 3.0;
 constexpr double kWide_m = 3.0;  // where the motion may lead farther, a search near the expected pose is not enough
 constexpr double kSpeed_kept_unmatched = 0.5;
@@ -88,6 +90,10 @@ void LaserOdometry::judge(const Result<MatchResult>& match, const Pose2& odom_T_
     return;
   }
   const double usual = usual_score_.value();
+  const double longest_s = period_s + motion.duration_sd_s;
+  const bool is_within_limits =
+      motion.previous_T_current.distance_m({}) <= limits_.speed_max_mps * longest_s + kSlack_m &&
+      std::abs(motion.previous_T_current.yaw_rad) <= limits_.turn_rate_max_radps * longest_s + kSlack_rad;
   motion.probability =
       step_probability(limits_, {.period_s = period_s,
                                  .period_sd_s = motion.duration_sd_s,
@@ -134,10 +140,7 @@ double LaserOdometry::steady_period_s(double period_s) {
 
 void LaserOdometry::remember(const Motion& motion, double period_s) {
   // A blind robot is not taken to drive on for ever, and one that was carried away not to go on like that.
-  const bool is_fast = motion.previous_T_current.distance_m({}) > limits_.speed_max_mps * period_s ||
-                       std::abs(motion.previous_T_current.yaw_rad) > limits_.turn_rate_max_radps * period_s;
-  const bool leapt = motion.matched() &&
-                     (motion.has(kJolted) || motion.probability < kCredible || (motion.has(kEscalated) && is_fast));
+  const bool leapt = motion.matched() && (motion.has(kJolted) || motion.probability < kCredible);
   const double kept = leapt ? 0.0 : motion.matched() ? 1.0 : kSpeed_kept_unmatched;
   speed_x_mps_ *= kept;
   speed_y_mps_ *= kept;

@@ -9,6 +9,7 @@ namespace {
 constexpr double kLocal_map_m = 8.0;    // way at full speed after which two of three robots have left it
 constexpr double kNeutral_share = 0.7;  // of the usual score, that right and wrong matches have alike often
 constexpr double kEvidence_per_share = 12.0;
+constexpr double kCarried = 0.5;  // that a robot which was carried is not where its local map reaches
 constexpr double kEvidence_min = -4.0;
 constexpr double kEvidence_max = 5.0;
 
@@ -29,7 +30,7 @@ double evidence_of(const StepSigns& signs) {
 }  // namespace
 
 double step_probability(const RobotLimits& limits, const StepSigns& signs) {
-  const double left = probability_of_leaving(limits, signs);
+  const double left = std::max(probability_of_leaving(limits, signs), signs.is_within_limits ? 0.0 : kCarried);
   const double stayed = (1.0 - left) * std::exp(evidence_of(signs));
   return stayed / (stayed + left);
 }

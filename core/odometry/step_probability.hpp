@@ -8,8 +8,9 @@ namespace odoless {
 struct StepSigns {
   double period_s = 0.0;  ///< since the last scan
   double period_sd_s = 0.0;
-  bool matched = false;      ///< false: nothing could be matched, and the prediction stands
-  double score_share = 0.0;  ///< of the match's score in the usual one; 0: no score is usual yet
+  bool matched = false;          ///< false: nothing could be matched, and the prediction stands
+  bool is_within_limits = true;  ///< the robot can have moved so by itself
+  double score_share = 0.0;      ///< of the match's score in the usual one; 0: no score is usual yet
 };
 
 /// Probability that a step of laser odometry is right within 0.5 m and 5 deg.

@@ -91,7 +91,8 @@ void Lslam::move(const Motion& motion, UpdateReport& report) {
     DrawnError& error = errors_[static_cast<std::size_t>(particle)];
     const Pose2 map_T_tracked = pose * error.pose().inverse();
     error.advance(process, root, rng_);
-    pose = motion_.sample(map_T_tracked, motion.previous_T_current, report.lambda_m, rng_) * error.pose();
+    const Pose2& step = motion.alternative_count > 0 ? motion.at_share(rng_.uniform()) : motion.previous_T_current;
+    pose = motion_.sample(map_T_tracked, step, report.lambda_m, rng_) * error.pose();
   }
   speed_.add(motion);
 }

@@ -39,11 +39,13 @@ struct UpdateReport {
 struct PoseEstimate {
   Pose2 map_T_scan;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< over (x_m, y_m, yaw_rad), map axes
+  double agreement = 1.0;  ///< weight of the particles that are within 0.5 m and 5 deg of it
 };
 
 /// Low-level DP-SLAM: a particle filter over poses and maps [eliazar2003dpslam, eliazar2004dpslam2].
 ///
-/// An update (1) draws each particle's pose from the scan-matching motion model, (2) weighs it by the scan's likelihood
+/// An update (1) draws each particle's pose from the scan-matching motion model, about one of the motion's hypotheses,
+/// (2) weighs it by the scan's likelihood
 /// in its own map, (3) if too few particles matter, keeps those that a systematic resampling picks, (4) puts the scan
 /// into the survivors' maps and (5) lets them multiply. The first update since `reset` does (4) and (5) alone.
 ///

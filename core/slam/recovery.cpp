@@ -6,6 +6,8 @@
 namespace odoless {
 namespace {
 
+constexpr double kKnown_min = 0.2;  // share of beams below which a fit in what is known tells little
+
 /// Matched in the narrow search, or then in the wide one.
 bool is_accepted(const Motion& motion) { return motion.matched() && !motion.has(kRejected); }
 
@@ -13,7 +15,7 @@ bool is_accepted(const Motion& motion) { return motion.matched() && !motion.has(
 
 Recovery::Recovery(const RecoveryParams& params, const ScanParams& scan, const Slam& slam)
     : params_(params),
-      monitor_(params.tracking),
+      confidence_(params.confidence),
       usual_(params.tracking),
       fit_(slam.params().low.beam, params.tracking.fit_sigma_m, slam.low().geometry().resolution_m,
            slam.params().low.beams_used),
@@ -29,14 +31,17 @@ void Recovery::reset() {
 }
 
 void Recovery::trust() {
-  monitor_.reset();
-  last_fit_ = 1.0;
-  depleted_ = settled_ = false;
+  confidence_.reset();
+  last_fit_ = Fit{};
+  lost_ = unconfirmed_ = settled_ = false;
 }
 
-void Recovery::note(const UpdateReport& report, int particles) {
-  ++updates_;
-  depleted_ = report.effective_particles < params_.tracking.depleted_share * particles;
+Tracking Recovery::state(double agreement) const {
+  if (lost_) {
+    return Tracking::kLost;
+  }
+  const bool is_sure = !unconfirmed_ && agreement * confidence_.right() >= params_.tracking.sure_probability;
+  return is_sure ? Tracking::kSure : Tracking::kDoubtful;
 }
 
 Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
@@ -58,47 +63,46 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
 
 Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   static_cast<void>(fit_.load(tracked.scan));
-  last_fit_ = fit_with(slam.low(), slam.low().best(), tracked.update_T_scan);
-  if (last_fit_ < params_.tracking.suspect_fit_min) {
-    last_fit_ = best_fit(slam.low(), tracked.update_T_scan);
-  }
-  monitor_.add(signs_of(tracked), tracked.scan.stamp_ns());
+  last_fit_ = fit_of(slam.low(), tracked.update_T_scan);
   const double span_s = span_.next_s(tracked.scan.stamp_ns());
-  if (state() == Tracking::kSure) {
-    usual_fit_.add(last_fit_, span_s);
+  if (!unconfirmed_) {
+    const Motion& motion = tracked.motion;
+    confidence_.move(motion.probability, motion.previous_T_current.distance_m({}), motion.duration_s());
+    const double usual = usual_fit_.value();
+    confidence_.observe(usual > 0.0 ? last_fit_.in_known / usual : 1.0, last_fit_.known_share, span_s);
   }
-  if (lost()) {
+  if (state() == Tracking::kSure && last_fit_.known_share > kKnown_min) {
+    usual_fit_.add(last_fit_.in_known, span_s);
+  }
+  if (confidence_.jumped() >= params_.tracking.lost_probability) {
+    lose();
     relocaliser_.begin(slam.map_T_scan(), params_.tracking.usual_share * usual_fit_.value());
-    settled_ = false;
-    matched_s_ = 0.0;
   }
-  return monitor_.is_trusted() ? Advice::kGoOn : Advice::kHold;
+  return may_be_mapped() ? Advice::kGoOn : Advice::kHold;
 }
 
-double Recovery::fit_with(Lslam& low, int particle, const Pose2& update_T_scan) const {
-  return fit_.of(low.map(particle), low.geometry(), low.pose(particle) * update_T_scan);
+void Recovery::lose() {
+  lost_ = true;
+  settled_ = false;
+  matched_s_ = 0.0;
+}
+
+bool Recovery::may_be_mapped() const {
+  return !lost_ && last_fit_.mean >= params_.tracking.fit_min &&
+         1.0 - confidence_.jumped() >= params_.tracking.map_probability;
 }
 
 // At a loop the best particle may be wrong and another right: that is for the filter to decide, which needs the scan.
-double Recovery::best_fit(Lslam& low, const Pose2& update_T_scan) const {
-  double best = 0.0;
-  for (int particle = 0; particle < low.particles(); ++particle) {
-    best = std::max(best, fit_with(low, particle, update_T_scan));
+Fit Recovery::fit_of(Lslam& low, const Pose2& update_T_scan) const {
+  const auto with = [&](int particle) {
+    return fit_.in_full(low.map(particle), low.geometry(), low.pose(particle) * update_T_scan);
+  };
+  Fit best = with(low.best());
+  for (int particle = 0; particle < low.particles() && best.mean < params_.tracking.fit_min; ++particle) {
+    const Fit fit = with(particle);
+    best = fit.mean > best.mean ? fit : best;
   }
   return best;
-}
-
-TrackingSigns Recovery::signs_of(const TrackedScan& tracked) const {
-  const TrackingParams& params = params_.tracking;
-  const Motion& motion = tracked.motion;
-  const bool is_open = motion.weak_information_1_m2 < params.weak_information_1_m2;
-  const bool is_far = motion.has(kEscalated) || usual_.is_too_fast(motion.previous_T_current, motion.duration_s());
-  const bool is_poor = last_fit_ < params.usual_share * usual_fit_.value();
-  return {.fit = last_fit_,
-          .suspect = depleted_ || is_open,
-          .carried = is_far && usual_.is_unusual(motion.previous_T_current),
-          .torn = !is_accepted(motion) || (motion.has(kJolted) && is_poor),
-          .usual_fit = usual_fit_.value()};
 }
 
 Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
@@ -111,13 +115,15 @@ Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
     if (!has_waited_enough(tracked)) {
       return Advice::kHold;
     }
-    monitor_.resume();
+    confidence_.lose_track();
+    unconfirmed_ = true;
+    lost_ = false;
     slam.low().forget_speed();
     return Advice::kGoOn;
   }
   slam.set_pose(*map_T_scan, {params_.search.spread_m, params_.search.spread_rad});
   trust();
-  monitor_.try_anew();
+  confidence_.find();
   return Advice::kFound;
 }
 

@@ -68,7 +68,7 @@ void FilterStage::update(const ScanFrame& scan, const Deadline& deadline, Filter
     since_update_.set_error({});
   }
   out.report = filter_.update(since_update_, scan, deadline);
-  recovery_.note(out.report, filter_.particles());
+  recovery_.note_update();
   out.updated = true;
   started_ = true;
   update_stamp_ns_ = scan.stamp_ns();
@@ -80,9 +80,12 @@ void FilterStage::restart(std::int64_t stamp_ns) { since_update_ = Motion::betwe
 FilterStep FilterStage::placed(FilterStep out, const Motion& motion) const {
   out.update_stamp_ns = update_stamp_ns_;
   out.update_T_scan = since_update_.previous_T_current;
-  out.map_T_scan = filter_.estimate().map_T_scan * out.update_T_scan;
+  const PoseEstimate estimate = filter_.estimate();
+  out.map_T_scan = estimate.map_T_scan * out.update_T_scan;
   out.map_T_odom = out.map_T_scan * motion.odom_T_current.inverse();
-  out.tracking = recovery_.state();
+  const double agreement = estimate.agreement * since_update_.weight();
+  out.tracking = recovery_.state(agreement);
+  out.probability = agreement * recovery_.probability();
   out.fit = recovery_.fit();
   return out;
 }

@@ -19,8 +19,9 @@ struct FilterStep {
   bool updated = false;
   UpdateReport report{};
   Tracking tracking = Tracking::kSure;
-  bool found = false;  ///< a lost robot, with this scan
-  double fit = 1.0;    ///< ScanFit of the scan; 1 before the first update
+  double probability = 1.0;  ///< that map_T_scan is right within 0.5 m and 5 deg
+  bool found = false;        ///< a lost robot, with this scan
+  double fit = 1.0;          ///< ScanFit of the scan; 1 before the first update
 };
 
 /// Motion in, poses and a map out: the filter thread's work. Composes motions and updates the filter when the robot

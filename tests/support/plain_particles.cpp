@@ -45,8 +45,8 @@ void PlainParticles::update(const Motion& motion, const ScanFrame& scan) {
     for (Particle& particle : particles_) {
       const Pose2 map_T_tracked = particle.map_T_scan * particle.error.pose().inverse();
       particle.error.advance(motion.error(), root_of(motion.error().noise), rng_);
-      particle.map_T_scan =
-          motion_.sample(map_T_tracked, motion.previous_T_current, lambda_m, rng_) * particle.error.pose();
+      const Pose2& step = motion.alternative_count > 0 ? motion.at_share(rng_.uniform()) : motion.previous_T_current;
+      particle.map_T_scan = motion_.sample(map_T_tracked, step, lambda_m, rng_) * particle.error.pose();
     }
     speed_.add(motion);
     std::vector<Beam> beams;

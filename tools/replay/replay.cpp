@@ -65,6 +65,7 @@ std::vector<StampedPose> final_trajectory(const std::vector<StampedPose>& path, 
 void count(const FilterStep& step, ReplayResult& result) {
   const bool lost = step.tracking == Tracking::kLost;
   result.lost_scans += lost ? 1 : 0;
+  result.doubtful_scans += step.tracking == Tracking::kDoubtful ? 1 : 0;
   result.relocalisations += step.found ? 1 : 0;
   result.least_fit = lost ? result.least_fit : std::min(result.least_fit, step.fit);
 }
