@@ -98,6 +98,7 @@ void LaserOdometry::judge(const Result<MatchResult>& match, const Pose2& odom_T_
       step_probability(limits_, {.period_s = period_s,
                                  .period_sd_s = motion.duration_sd_s,
                                  .matched = match.ok(),
+                                 .is_within_limits = is_within_limits,
                                  .score_share = usual > 0.0 ? std::max(1e-9, motion.score / usual) : 0.0});
   motion.set(kJolted, match.ok() && motion.score < params_.poor_share * usual);
   if (!match.ok()) {

@@ -10,7 +10,7 @@ constexpr double kLocal_map_m = 8.0;    // way at full speed after which two of 
 constexpr double kNeutral_share = 0.7;  // of the usual score, that right and wrong matches have alike often
 constexpr double kEvidence_per_share = 12.0;
 constexpr double kCarried = 0.5;  // that a robot which was carried is not where its local map reaches
-constexpr double kEvidence_min = -4.0;
+constexpr double kEvidence_min = -2.5;
 constexpr double kEvidence_max = 5.0;
 
 // A robot seldom goes straight on at full speed: in a short time hardly any leaves, in a long one nearly all.

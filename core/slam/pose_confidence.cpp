@@ -16,6 +16,11 @@ void PoseConfidence::find() {
   jumped_ = 1.0 - right_;
 }
 
+void PoseConfidence::contradict() {
+  right_ *= std::exp(-params_.elsewhere);
+  normalise();
+}
+
 void PoseConfidence::lose_track() {
   right_ = 0.5;
   drifted_ = 0.5;

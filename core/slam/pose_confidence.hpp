@@ -7,11 +7,12 @@ namespace odoless {
 /// How fast trust in the pose goes and comes.
 struct ConfidenceParams {
   double drift_per_m = 1e-3;
-  double mend_per_s = 0.05;
+  double mend_per_s = 0.005;
   double neutral_fit = 0.75;
-  double evidence_per_fit = 10.0;
+  double evidence_per_fit = 5.0;
   double for_max = 0.25;
-  double against_max = 2.5;
+  double against_max = 1.0;
+  double elsewhere = 3.0;
   double evidence_period_s = 0.2;
   double found_probability = 0.5;
 
@@ -29,6 +30,8 @@ struct ConfidenceParams {
     visit.value("for_max", self.for_max, Range{0.0, 10.0},
                 "Most that one scan speaks for the pose: successive scans say much the same.");
     visit.value("against_max", self.against_max, Range{0.0, 10.0}, "Most that one scan speaks against the pose.");
+    visit.value("elsewhere", self.elsewhere, Range{0.0, 20.0},
+                "How much speaks against the pose that a search of the map found another one, which alone fits.");
     visit.value("evidence_period_s", self.evidence_period_s, Range{0.001, 10.0},
                 "Scans that follow each other faster count less, by their share of this time.");
     visit.value("found_probability", self.found_probability, Range{0.01, 0.99},
@@ -50,6 +53,8 @@ class PoseConfidence {
   void reset() { *this = PoseConfidence(params_); }
   /// The robot was relocalised.
   void find();
+  /// The whole map was searched, and another pose alone fits.
+  void contradict();
   /// Nothing of the map will confirm the pose.
   void lose_track();
 

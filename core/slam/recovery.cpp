@@ -6,6 +6,9 @@
 namespace odoless {
 namespace {
 
+constexpr double kSuspect = 0.02;  // probability of a jump from which on another place is looked for
+constexpr double kAmbiguous =
+    0.7;  // weight of a motion against its alternatives below which it is taken for one of them
 constexpr double kKnown_min = 0.2;  // share of beams below which a fit in what is known tells little
 
 /// Matched in the narrow search, or then in the wide one.
@@ -33,14 +36,15 @@ void Recovery::reset() {
 void Recovery::trust() {
   confidence_.reset();
   last_fit_ = Fit{};
-  lost_ = unconfirmed_ = settled_ = false;
+  lost_ = unconfirmed_ = suspected_ = settled_ = false;
 }
 
 Tracking Recovery::state(double agreement) const {
   if (lost_) {
     return Tracking::kLost;
   }
-  const bool is_sure = !unconfirmed_ && agreement * confidence_.right() >= params_.tracking.sure_probability;
+  const bool is_sure =
+      !unconfirmed_ && !suspected_ && agreement * confidence_.right() >= params_.tracking.sure_probability;
   return is_sure ? Tracking::kSure : Tracking::kDoubtful;
 }
 
@@ -53,8 +57,7 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
     return look_for_it(slam, tracked);
   }
   // Where scans are far apart nothing of this tells a robot that is lost from one that goes on.
-  const bool can_tell = updates_ >= params_.tracking.updates_min && usual_.is_dense();
-  const Advice advice = can_tell ? diagnose(slam, tracked) : Advice::kGoOn;
+  const Advice advice = usual_.is_dense() ? diagnose(slam, tracked) : Advice::kGoOn;
   if (state() == Tracking::kSure) {
     usual_.add(tracked.motion.previous_T_current);
   }
@@ -74,16 +77,43 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   if (state() == Tracking::kSure && last_fit_.known_share > kKnown_min) {
     usual_fit_.add(last_fit_.in_known, span_s);
   }
+  if (is_suspect(tracked.motion) && !suspected_ && !unconfirmed_) {
+    suspected_ = true;
+    relocaliser_.begin(slam.map_T_scan(), params_.tracking.usual_share * usual_fit_.value());
+  }
+  if (updates_ < params_.tracking.updates_min) {
+    return Advice::kGoOn;
+  }
+  if (suspected_) {
+    verify(slam, tracked);
+  }
   if (confidence_.jumped() >= params_.tracking.lost_probability) {
     lose();
-    relocaliser_.begin(slam.map_T_scan(), params_.tracking.usual_share * usual_fit_.value());
   }
   return may_be_mapped() ? Advice::kGoOn : Advice::kHold;
 }
 
+bool Recovery::is_suspect(const Motion& motion) const {
+  return motion.has(kJolted) || motion.weight() < kAmbiguous || confidence_.jumped() >= kSuspect;
+}
+
+void Recovery::verify(Slam& slam, const TrackedScan& tracked) {
+  const Pose2 believed_map_T_scan = slam.map_T_scan() * tracked.update_T_scan;
+  const std::optional<Pose2> map_T_scan = relocaliser_.process(slam, tracked.scan, believed_map_T_scan);
+  if (!map_T_scan) {
+    return;
+  }
+  if (clearly_apart(to_search_point(*map_T_scan), to_search_point(believed_map_T_scan))) {
+    confidence_.contradict();
+  } else {
+    suspected_ = false;
+    confidence_.reset();
+  }
+}
+
 void Recovery::lose() {
   lost_ = true;
-  settled_ = false;
+  suspected_ = settled_ = false;
   matched_s_ = 0.0;
 }
 
@@ -110,7 +140,7 @@ Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
   if (!settled_) {
     return Advice::kHold;
   }
-  const std::optional<Pose2> map_T_scan = relocaliser_.process(slam, tracked.scan);
+  const std::optional<Pose2> map_T_scan = relocaliser_.process(slam, tracked.scan, std::nullopt);
   if (!map_T_scan) {
     if (!has_waited_enough(tracked)) {
       return Advice::kHold;
@@ -121,10 +151,14 @@ Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
     slam.low().forget_speed();
     return Advice::kGoOn;
   }
-  slam.set_pose(*map_T_scan, {params_.search.spread_m, params_.search.spread_rad});
+  find_at(slam, *map_T_scan);
+  return Advice::kFound;
+}
+
+void Recovery::find_at(Slam& slam, const Pose2& map_T_scan) {
+  slam.set_pose(map_T_scan, {params_.search.spread_m, params_.search.spread_rad});
   trust();
   confidence_.find();
-  return Advice::kFound;
 }
 
 bool Recovery::has_waited_enough(const TrackedScan& tracked) {

@@ -69,6 +69,10 @@ class Recovery {
   [[nodiscard]] bool may_be_mapped() const;
   void lose();
   [[nodiscard]] Advice look_for_it(Slam& slam, const TrackedScan& tracked);
+  [[nodiscard]] bool is_suspect(const Motion& motion) const;
+  /// A slice of the search for another place that fits better than where the robot is taken to be.
+  void verify(Slam& slam, const TrackedScan& tracked);
+  void find_at(Slam& slam, const Pose2& map_T_scan);
   [[nodiscard]] bool has_waited_enough(const TrackedScan& tracked);
 
   RecoveryParams params_;
@@ -82,6 +86,7 @@ class Recovery {
   double matched_s_ = 0.0;  ///< lost, and every scan has matched the ones before
   int updates_ = 0;
   bool lost_ = false;
+  bool suspected_ = false;    ///< a step may have been wrong, and the map has not yet shown that no other place fits
   bool unconfirmed_ = false;  ///< it was lost, and went on without being found
   bool settled_ = false;      ///< lost, and the filter's work is done: the map stays as it is
 };

@@ -13,7 +13,7 @@ struct TrackingParams {
   double fit_min = 0.2;
   double usual_share = 0.75;
   double sure_probability = 0.9;
-  double map_probability = 0.8;
+  double map_probability = 0.5;
   double lost_probability = 0.8;
   double leap_m = 0.3;
   double leap_rad = 0.3;

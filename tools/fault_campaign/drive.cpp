@@ -14,6 +14,14 @@ namespace {
 
 constexpr double kStep_s = 0.05;
 constexpr std::uint64_t kStream = 41;
+constexpr double kRest_s = 1.0;  // at the start, as robots do
+constexpr double kRamp_s = 2.0;  // until full speed: no robot starts with it
+
+// Time along the world's path, which knows but full speed.
+double path_time_s(double true_s) {
+  const double driven_s = std::max(0.0, true_s - kRest_s);
+  return driven_s < kRamp_s ? 0.5 * driven_s * driven_s / kRamp_s : driven_s - 0.5 * kRamp_s;
+}
 
 }  // namespace
 
@@ -32,7 +40,7 @@ Drive::Drive(const Scenario& scenario)
 
 Pose2 Drive::at(double true_s) const {
   if (wandering_.empty() || true_s < carried_s_) {
-    return path_.at(path_start_s_ + true_s);
+    return path_.at(path_start_s_ + path_time_s(true_s));
   }
   const double steps = std::min((true_s - carried_s_) / kStep_s, static_cast<double>(wandering_.size() - 1));
   const auto before = static_cast<std::size_t>(steps);
