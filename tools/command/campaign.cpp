@@ -58,7 +58,7 @@ void play_all(const CampaignJob& job, int groups, Play play) {
   for (int i = 0; i < groups; ++i) {
     tasks.push_back({1.0, [i, &play](const ShareDone&) { play(i); }});
   }
-  Progress bar(groups);
+  Progress bar(groups, InPipe::kLines);
   run_tasks(std::move(tasks), job.jobs, [&bar](double, int finished) { bar.update(finished, "runs"); });
 }
 
