@@ -59,7 +59,8 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   const Estimate prediction = predict(period_s);
   const Pose2 odom_T_key = reference_.empty() ? odom_T_scan_ : odom_T_key_;
   const Pose2 key_T_scan = odom_T_key.inverse() * prediction.odom_T_scan;
-  const MotionReach reach = expected_reach(period_s + motion.duration_sd_s);
+  const double unobserved_s = unobserved_period_s(scan, period_s);
+  const MotionReach reach = expected_reach(unobserved_s + motion.duration_sd_s);
   const Result<MatchResult> match = matcher_.match(
       reference_, scan, {key_T_scan, reach.distance_m, reach.rotation_rad, reach.distance_m > kWide_m}, deadline, rng);
   copy_figures(match.ok() ? match.value() : MatchResult{}, motion);
@@ -73,7 +74,7 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   motion.odom_T_current = estimate.odom_T_scan;
   motion.previous_T_current = odom_T_scan_.inverse() * estimate.odom_T_scan;
   motion.set_error(estimate.error);
-  judge(match, odom_T_key, period_s, motion);
+  judge(match, odom_T_key, unobserved_s, motion);
   remember(motion, period_s);
   if (begins_anew(motion)) {
     key_count_ = 0;
@@ -83,6 +84,13 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
     add_key(scan, odom_T_scan_);
   }
   return motion;
+}
+
+// A laser that repeats a scan says nothing of the motion meanwhile.
+double LaserOdometry::unobserved_period_s(const ScanFrame& scan, double period_s) {
+  const double unobserved_s = stale_s_ + period_s;
+  stale_s_ = scan.is_stale() ? unobserved_s : 0.0;
+  return scan.is_stale() ? period_s : unobserved_s;
 }
 
 void LaserOdometry::judge(const Result<MatchResult>& match, const Pose2& odom_T_key, double period_s, Motion& motion) {

@@ -94,6 +94,8 @@ class LaserOdometry {
   /// Kalman's update of the prediction by a match. [kalman1960]
   [[nodiscard]] Estimate corrected(const Estimate& prediction, const Pose2& odom_T_key, const MatchResult& match);
   [[nodiscard]] double steady_period_s(double period_s);
+  /// Since the last scan that was no repetition; of a repetition since the last scan.
+  [[nodiscard]] double unobserved_period_s(const ScanFrame& scan, double period_s);
   void remember(const Motion& motion, double period_s);
   /// How credible the match is, its other answers, and what is usual.
   void judge(const Result<MatchResult>& match, const Pose2& odom_T_key, double period_s, Motion& motion);
@@ -118,6 +120,7 @@ class LaserOdometry {
   Pose2 odom_T_scan_{};
   double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;
   double usual_period_s_ = 0.0;
+  double stale_s_ = 0.0;  ///< for which the laser has repeated a scan
   UsualLevel usual_score_;
   int unsettled_scans_ = 0;
   ErrorProcess::Matrix covariance_ = ErrorProcess::Matrix::Zero();  ///< of the error of odom_T_scan_ and the speed

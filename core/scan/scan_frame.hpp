@@ -62,6 +62,9 @@ class ScanFrame {
   void deskew(const Velocity2& velocity);
 
   [[nodiscard]] std::int64_t stamp_ns() const { return stamp_ns_; }
+  /// Whether the laser repeats an older scan, which tells nothing of now; `assign` says that it does not.
+  [[nodiscard]] bool is_stale() const { return stale_; }
+  void set_stale(bool stale) { stale_ = stale; }
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] int returns() const { return returns_; }
   [[nodiscard]] double angle_rad(int beam) const { return start_angle_rad_ + beam * angle_step_rad_; }
@@ -89,6 +92,7 @@ class ScanFrame {
 
   ScanParams params_;
   std::int64_t stamp_ns_ = 0;
+  bool stale_ = false;
   double start_angle_rad_ = 0.0;
   double angle_step_rad_ = 0.0;
   std::int64_t beam_period_ns_ = 0;

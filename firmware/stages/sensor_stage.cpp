@@ -1,21 +1,6 @@
 #include "firmware/stages/sensor_stage.hpp"
 
-#include <bit>
-
 namespace odoless {
-namespace {
-
-// FNV-1a over the ranges' bits: equal scans are told from noise, nothing more.
-std::uint64_t digest(std::span<const float> ranges_m) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const float range_m : ranges_m) {
-    hash = (hash ^ std::bit_cast<std::uint32_t>(range_m)) * 0x100000001b3U;
-  }
-  return hash;
-}
-
-}  // namespace
-
 bool SensorStage::begins_anew(std::int64_t stamp_ns) {
   earlier_in_a_row_ = stamp_ns > last_earlier_ns_ ? earlier_in_a_row_ + 1 : 1;
   last_earlier_ns_ = stamp_ns;
@@ -47,12 +32,12 @@ ScanVerdict SensorStage::process(const RawScan& raw, std::int64_t now_ns, ScanFr
     ++counts_.rejected;
     return ScanVerdict::kMalformed;
   }
-  observe(raw, frame, now_ns);
+  observe(raw, now_ns, frame);
   ++counts_.accepted;
   return ScanVerdict::kAccepted;
 }
 
-void SensorStage::observe(const RawScan& raw, const ScanFrame& frame, std::int64_t now_ns) {
+void SensorStage::observe(const RawScan& raw, std::int64_t now_ns, ScanFrame& frame) {
   if (counts_.accepted > 0 && raw.stamp_ns > last_stamp_ns_) {
     const std::int64_t period_ns = raw.stamp_ns - last_stamp_ns_;
     period_ns_ = period_ns_ == 0 ? period_ns : period_ns_ + (period_ns - period_ns_) / 8;
@@ -60,9 +45,8 @@ void SensorStage::observe(const RawScan& raw, const ScanFrame& frame, std::int64
   last_stamp_ns_ = raw.stamp_ns;
   earlier_in_a_row_ = 0;
   last_scan_ns_ = now_ns;
-  const std::uint64_t hash = digest(raw.ranges_m);
-  same_in_a_row_ = hash == last_digest_ ? same_in_a_row_ + 1 : 0;
-  last_digest_ = hash;
+  frame.set_stale(stuck_.add(raw.ranges_m));
+  stale_in_a_row_ = frame.is_stale() ? stale_in_a_row_ + 1 : 0;
   blind_in_a_row_ = frame.returns() < kBlindShare * frame.size() ? blind_in_a_row_ + 1 : 0;
 }
 

@@ -7,7 +7,11 @@
 namespace odoless {
 
 Intake::Intake(Pipeline& pipeline, const Clock& clock, bool live, bool publish_scans)
-    : pipeline_(pipeline), clock_(clock), publish_scans_(publish_scans), stage_(live), free_(pipeline.pool.size()) {
+    : pipeline_(pipeline),
+      clock_(clock),
+      publish_scans_(publish_scans),
+      stage_(live, pipeline.pool.beams_max()),
+      free_(pipeline.pool.size()) {
   ranges_m_.reserve(static_cast<std::size_t>(pipeline.pool.beams_max()));
 }
 

@@ -21,7 +21,7 @@ class SensorStageTest : public ::testing::Test {
                           frame_);
   }
 
-  SensorStage stage_{true};
+  SensorStage stage_{true, ScanParams{}.beams_max};
   ScanFrame frame_{ScanParams{}};
   std::array<float, 20> ranges_m_{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
   int given_ = 0;
