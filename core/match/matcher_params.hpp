@@ -85,8 +85,6 @@ struct MatcherParams {
   int refine_steps = 12;
   double score_min = 0.2;
   double prior_weight = 0.1;
-  double speed_sd_mps = 1.5;
-  double turn_rate_sd_radps = 6.3;
   double second_peak_ratio_max = 0.9;
 
   template <class Self, class Visitor>
@@ -102,10 +100,6 @@ struct MatcherParams {
                 "that helps.");
     visit.value("prior_weight", self.prior_weight, Range{0.0, 1.0},
                 "How much a pose loses beyond the expected deviations, times the logarithm of their squares.");
-    visit.value("speed_sd_mps", self.speed_sd_mps, Range{0.0, 100.0},
-                "Speed that a pair of scans alone may well show; 0: any.");
-    visit.value("turn_rate_sd_radps", self.turn_rate_sd_radps, Range{0.0, 100.0},
-                "Turn rate that a pair of scans alone may well show; 0: any.");
     visit.value("second_peak_ratio_max", self.second_peak_ratio_max, Range{0.0, 1.0},
                 "A second peak that scores this share of the best makes the match ambiguous.");
   }

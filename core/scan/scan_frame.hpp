@@ -71,6 +71,9 @@ class ScanFrame {
   [[nodiscard]] std::int64_t time_ns() const { return time_.time_ns; }
   /// Standard deviation of `time_ns` against the scans about it (ScanTime).
   [[nodiscard]] double time_sd_s() const { return time_.sd_s; }
+  /// Whether the laser repeats an older scan, which tells nothing of now; `assign` says that it does not.
+  [[nodiscard]] bool is_stale() const { return stale_; }
+  void set_stale(bool stale) { stale_ = stale; }
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] int returns() const { return returns_; }
   [[nodiscard]] double angle_rad(int beam) const { return start_angle_rad_ + beam * angle_step_rad_; }
@@ -99,6 +102,7 @@ class ScanFrame {
   ScanParams params_;
   std::int64_t stamp_ns_ = 0;
   ScanTime time_{};
+  bool stale_ = false;
   double start_angle_rad_ = 0.0;
   double angle_step_rad_ = 0.0;
   std::int64_t beam_period_ns_ = 0;

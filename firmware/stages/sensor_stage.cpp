@@ -52,19 +52,20 @@ ScanVerdict SensorStage::process(const RawScan& raw, std::int64_t now_ns, ScanFr
     return ScanVerdict::kMalformed;
   }
   frame.set_time(clock_.next(raw.stamp_ns, live_ ? now_ns : ScanClock::kNoArrival));
-  observe(digest, frame, now_ns);
+  observe(raw, digest, now_ns, frame);
   return ScanVerdict::kAccepted;
 }
 
-void SensorStage::observe(std::uint64_t digest, const ScanFrame& frame, std::int64_t now_ns) {
+void SensorStage::observe(const RawScan& raw, std::uint64_t digest, std::int64_t now_ns, ScanFrame& frame) {
   ++counts_.accepted;
   counts_.times = clock_.findings();
   counts_.out_of_order = live_ ? counts_.out_of_order : counts_.times.out_of_order;
-  last_stamp_ns_ = frame.stamp_ns();
+  last_stamp_ns_ = raw.stamp_ns;
+  last_digest_ = digest;
   earlier_in_a_row_ = 0;
   last_scan_ns_ = now_ns;
-  same_in_a_row_ = digest == last_digest_ ? same_in_a_row_ + 1 : 0;
-  last_digest_ = digest;
+  frame.set_stale(stuck_.add(raw.ranges_m));
+  stale_in_a_row_ = frame.is_stale() ? stale_in_a_row_ + 1 : 0;
   blind_in_a_row_ = frame.returns() < kBlindShare * frame.size() ? blind_in_a_row_ + 1 : 0;
 }
 

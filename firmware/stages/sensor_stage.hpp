@@ -6,6 +6,7 @@
 
 #include "core/scan/scan_clock.hpp"
 #include "core/scan/scan_frame.hpp"
+#include "core/scan/stuck_detector.hpp"
 #include "firmware/pipeline/messages.hpp"
 
 namespace odoless {
@@ -22,7 +23,7 @@ enum class ScanVerdict { kAccepted, kMalformed, kDuplicate, kOutOfOrder, kLate }
 class SensorStage {
  public:
   /// @param live  Scans come as they are taken, and bear the time of now: what is late or out of order is refused.
-  explicit SensorStage(bool live) : live_(live) {}
+  SensorStage(bool live, int beams_max) : live_(live), stuck_(beams_max) {}
 
   /// Puts an accepted scan into `frame`, with its time, and leaves it as it was otherwise.
   [[nodiscard]] ScanVerdict process(const RawScan& raw, std::int64_t now_ns, ScanFrame& frame);
@@ -32,19 +33,19 @@ class SensorStage {
   /// Of the laser, as estimated; 0: not known.
   [[nodiscard]] std::int64_t period_ns() const { return std::llround(counts_.times.period_s * 1e9); }
   [[nodiscard]] bool is_blind() const { return blind_in_a_row_ >= kBlindScans; }
-  [[nodiscard]] bool is_stuck() const { return same_in_a_row_ >= kStuckScans; }
+  [[nodiscard]] bool is_stuck() const { return stale_in_a_row_ >= kStuckScans; }
 
   static constexpr std::int64_t kLate_ns = 500'000'000;  ///< older scans say nothing about now
   static constexpr int kAnewScans = 10;  ///< older ones in a row, in their own order: a source that began anew
   static constexpr int kBlindScans = 3;
-  static constexpr int kStuckScans = 10;       ///< a live laser shows noise
+  static constexpr int kStuckScans = 2;        ///< that repeat the one before
   static constexpr double kBlindShare = 0.05;  ///< of the beams; with fewer returns a scan is blind
 
  private:
   [[nodiscard]] ScanVerdict judge(const RawScan& raw, std::uint64_t digest, std::int64_t now_ns);
   /// Whether the source's clock went back for good, as when a log is played again.
   [[nodiscard]] bool begins_anew(std::int64_t stamp_ns);
-  void observe(std::uint64_t digest, const ScanFrame& frame, std::int64_t now_ns);
+  void observe(const RawScan& raw, std::uint64_t digest, std::int64_t now_ns, ScanFrame& frame);
 
   bool live_;
   SourceHealth counts_;
@@ -54,7 +55,8 @@ class SensorStage {
   std::int64_t last_earlier_ns_ = 0;
   int earlier_in_a_row_ = 0;
   std::uint64_t last_digest_ = 0;
-  int same_in_a_row_ = 0;
+  StuckDetector stuck_;
+  int stale_in_a_row_ = 0;
   int blind_in_a_row_ = 0;
 };
 

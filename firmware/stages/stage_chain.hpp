@@ -13,7 +13,7 @@ namespace odoless {
 struct ChainStep {
   ScanVerdict verdict = ScanVerdict::kAccepted;
   std::int64_t stamp_ns = 0;  ///< of the scan
-  OdometryStep motion{};
+  Motion motion{};
   FilterStep filter{};
   std::int64_t matcher_cpu_ns = 0;
   std::int64_t filter_cpu_ns = 0;

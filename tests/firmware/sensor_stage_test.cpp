@@ -24,7 +24,7 @@ class SensorStageTest : public ::testing::Test {
                           frame_);
   }
 
-  SensorStage stage_{true};
+  SensorStage stage_{true, ScanParams{}.beams_max};
   ScanFrame frame_{ScanParams{}};
   std::array<float, 20> ranges_m_{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
   int given_ = 0;
@@ -87,7 +87,7 @@ TEST_F(SensorStageTest, ALiveScanOutOfOrderLeavesTheTimesAlone) {
 /// A recorded log, whose scans are in their order whatever their stamps say.
 class ReplayedScans : public SensorStageTest {
  protected:
-  ReplayedScans() { stage_ = SensorStage(false); }
+  ReplayedScans() { stage_ = SensorStage(false, ScanParams{}.beams_max); }
 };
 
 TEST_F(ReplayedScans, AreTakenAndTimedWhateverTheirStampsSay) {

@@ -43,10 +43,6 @@ class KidnappedRobot {
   [[nodiscard]] FilterStep scan();
   /// 3 m and a quarter turn from here, free and known.
   [[nodiscard]] bool choose_place();
-  /// One period further, straight on where there is room.
-  void wander();
-  [[nodiscard]] double room_m(const Pose2& world_T_robot, double from_rad, double to_rad) const;
-  [[nodiscard]] bool is_indoors(const Pose2& world_T_robot) const;
   [[nodiscard]] bool is_wrong(const Pose2& map_T_scan) const;
 
   World world_;

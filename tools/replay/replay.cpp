@@ -48,10 +48,12 @@ MatchRow row_of(const ScanLog& log, int reference_index, int index) {
   return row;
 }
 
-void fill_quality(MatchRow& row, const MatchResult& match, std::int64_t cpu_ns) {
+// Of a Motion or a MatchResult.
+template <class Match>
+void fill_quality(MatchRow& row, const Match& match, bool converged, std::int64_t cpu_ns) {
   row.fitness = match.fitness;
   row.evaluations = match.evaluations;
-  row.converged = match.converged;
+  row.converged = converged;
   row.time_us = static_cast<double>(cpu_ns) * 1e-3;
 }
 
@@ -88,15 +90,16 @@ class Recorder {
   void add_match(int index, const ChainStep& step) {
     MatchRow row = row_of(log_, last_index_, index);
     row.reference_T_scan = step.motion.previous_T_current;
-    fill_quality(row, step.motion.match, step.matcher_cpu_ns);
+    fill_quality(row, step.motion, step.motion.has(kConverged), step.matcher_cpu_ns);
     result_.matches.push_back(row);
-    result_.poor_matches += step.motion.match.converged ? 0 : 1;
-    result_.retried_matches += step.motion.match.escalated ? 1 : 0;
+    result_.poor_matches += step.motion.has(kConverged) ? 0 : 1;
+    result_.retried_matches += step.motion.has(kEscalated) ? 1 : 0;
   }
 
   void count(const FilterStep& step) {
     const bool lost = step.tracking == Tracking::kLost;
     result_.lost_scans += lost ? 1 : 0;
+    result_.doubtful_scans += step.tracking == Tracking::kDoubtful ? 1 : 0;
     result_.relocalisations += step.found ? 1 : 0;
     result_.least_fit = lost ? result_.least_fit : std::min(result_.least_fit, step.fit);
   }
@@ -139,7 +142,7 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
     if ((i + 1) * 10 / used.size() > i * 10 / used.size()) {
       recorder.result().rss_bytes_by_tenth.push_back(ResourceMeter::rss_bytes());
     }
-    progress(static_cast<std::int64_t>(i) + 1, static_cast<std::int64_t>(used.size()), step.motion.match.fitness);
+    progress(static_cast<std::int64_t>(i) + 1, static_cast<std::int64_t>(used.size()), step.motion.fitness);
   }
   ReplayResult result = recorder.finish(chain.filter().filter());
   result.source = chain.sensor().counts();
@@ -164,12 +167,12 @@ std::vector<MatchRow> match_pairs(const ScanLog& log, const RobotParams& params,
     const PlacedScan placed{&previous, {}};
     static_cast<void>(reference.rebuild({&placed, 1}));
     const double period_s = log.has_stamps ? row.stamp_s - row.reference_stamp_s : 0.0;
-    const Expectation expected = expect_rest(params.matcher, period_s);
+    const Expectation expected = expect_rest(params.limits, period_s);
     const Result<MatchResult> match = matcher.match(reference, current, expected, {}, rng);
     const std::int64_t cpu_ns = thread_cpu_ns() - start_ns;
     const MatchResult found = match.ok() ? match.value() : MatchResult{};  // nothing to match: no motion, fitness 0
     row.reference_T_scan = found.reference_T_scan;
-    fill_quality(row, found, cpu_ns);
+    fill_quality(row, found, found.converged, cpu_ns);
     rows.push_back(row);
     progress(static_cast<std::int64_t>(i), static_cast<std::int64_t>(used.size()) - 1, found.fitness);
   }

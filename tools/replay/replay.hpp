@@ -33,6 +33,7 @@ struct ReplayResult {
   int retried_matches = 0;
   int filter_updates = 0;
   int lost_scans = 0;                            ///< taken while the robot was lost
+  int doubtful_scans = 0;                        ///< whose pose was not sure, nor lost
   int relocalisations = 0;                       ///< times that it was found again
   double least_fit = 1.0;                        ///< worst fit of a scan to the map while it was not lost
   std::vector<double> scan_cpu_us;               ///< of matcher and filter, one per scan used

@@ -11,7 +11,6 @@ namespace odoless {
 namespace {
 
 constexpr int kBeams = 120;
-constexpr double kPeriod_s = 0.1;
 constexpr ScanParams kScan{.beams_max = kBeams, .range_max_m = 20.0};
 
 SlamParams small_slam() {
@@ -29,25 +28,23 @@ class RecoveryTest : public ::testing::Test {
     for (int i = 0; i < 2 * params_.tracking.updates_min; ++i) {
       room_.step();
       EXPECT_TRUE(i == 0 || advice() == Advice::kGoOn) << i;
-      recovery_.note(slam_.update(room_.increment(), room_.scan()), slam_.particles());
+      recovery_.note(slam_.update(room_.motion(), room_.scan()), slam_.particles());
     }
     room_.step();
   }
 
   Advice advice() {
-    const Pose2& step = room_.increment().previous_T_current;
-    return recovery_.process(slam_, {.scan = room_.scan(),
-                                     .update_T_scan = step,
-                                     .previous_T_current = step,
-                                     .period_s = kPeriod_s,
-                                     .weak_information_1_m2 = 2.0 * params_.tracking.weak_information_1_m2});
+    Motion motion = room_.motion();
+    motion.weak_information_1_m2 = 2.0 * params_.tracking.weak_information_1_m2;
+    return recovery_.process(slam_,
+                             {.scan = room_.scan(), .update_T_scan = motion.previous_T_current, .motion = motion});
   }
 
   double fit_of(int particle) {
     Lslam& low = slam_.low();
     ScanFit fit(low.params().beam, params_.tracking.fit_sigma_m, low.geometry().resolution_m, low.params().beams_used);
     EXPECT_GT(fit.load(room_.scan()), 0);
-    return fit.of(low.map(particle), low.geometry(), low.pose(particle) * room_.increment().previous_T_current);
+    return fit.of(low.map(particle), low.geometry(), low.pose(particle) * room_.motion().previous_T_current);
   }
 
   double best_fit() {
