@@ -55,12 +55,16 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   }
   const std::int64_t from_stamp_ns = started_ ? stamp_ns_ : scan.stamp_ns();
   Motion motion = Motion::between(from_stamp_ns, scan.stamp_ns(), {});
-  const double period_s = steady_period_s(std::max(params_.period_min_s, motion.duration_s()));
+  motion.duration_ns = started_ ? scan.time_ns() - time_ns_ : 0;
+  motion.duration_sd_s = started_ ? std::hypot(scan.time_sd_s(), time_sd_s_) : 0.0;
+  const double period_s = std::max(params_.period_min_s, motion.duration_s());
   const Estimate prediction = predict(period_s);
   const Pose2 odom_T_key = reference_.empty() ? odom_T_scan_ : odom_T_key_;
   const Pose2 key_T_scan = odom_T_key.inverse() * prediction.odom_T_scan;
   const double unobserved_s = unobserved_period_s(scan, period_s);
-  const MotionReach reach = expected_reach(unobserved_s + motion.duration_sd_s);
+  MotionReach reach = expected_reach(unobserved_s);
+  reach.distance_m += std::hypot(speed_x_mps_, speed_y_mps_) * motion.duration_sd_s;  // driven so much longer, or less
+  reach.rotation_rad += std::abs(speed_yaw_radps_) * motion.duration_sd_s;
   const Result<MatchResult> match = matcher_.match(
       reference_, scan, {key_T_scan, reach.distance_m, reach.rotation_rad, reach.distance_m > kWide_m}, deadline, rng);
   copy_figures(match.ok() ? match.value() : MatchResult{}, motion);
@@ -75,7 +79,7 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   motion.previous_T_current = odom_T_scan_.inverse() * estimate.odom_T_scan;
   motion.set_error(estimate.error);
   judge(match, odom_T_key, unobserved_s, motion);
-  remember(motion, period_s);
+  remember(scan, motion, period_s);
   if (begins_anew(motion)) {
     key_count_ = 0;
     add_key(scan, odom_T_scan_);
@@ -137,17 +141,7 @@ bool LaserOdometry::begins_anew(const Motion& motion) {
   return !motion.has(kJolted) && unsettled_scans_ > 0 && --unsettled_scans_ == 0;
 }
 
-// Devices scan steadily; stamps that waver about the usual period say more of the computer than of the laser.
-double LaserOdometry::steady_period_s(double period_s) {
-  constexpr double kWaver_min = 0.4;
-  constexpr double kWaver_max = 1.7;  // less than 2: a scan that is missing is no wavering
-  constexpr double kGain = 0.1;
-  const bool wavers = period_s > kWaver_min * usual_period_s_ && period_s < kWaver_max * usual_period_s_;
-  usual_period_s_ = wavers ? usual_period_s_ + kGain * (period_s - usual_period_s_) : period_s;
-  return wavers ? usual_period_s_ : period_s;
-}
-
-void LaserOdometry::remember(const Motion& motion, double period_s) {
+void LaserOdometry::remember(const ScanFrame& scan, const Motion& motion, double period_s) {
   // A blind robot is not taken to drive on for ever, and one that was carried away not to go on like that.
   const bool leapt = motion.matched() && (motion.has(kJolted) || motion.probability < kCredible);
   const double kept = leapt ? 0.0 : motion.matched() ? 1.0 : kSpeed_kept_unmatched;
@@ -158,7 +152,9 @@ void LaserOdometry::remember(const Motion& motion, double period_s) {
     covariance_ = motion.error().after(covariance_);
   }
   odom_T_scan_ = motion.odom_T_current;
-  stamp_ns_ = motion.to_stamp_ns;
+  stamp_ns_ = scan.stamp_ns();
+  time_ns_ = scan.time_ns();
+  time_sd_s_ = scan.time_sd_s();
   started_ = true;
 }
 

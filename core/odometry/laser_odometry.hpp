@@ -93,10 +93,9 @@ class LaserOdometry {
   [[nodiscard]] MotionReach expected_reach(double period_s) const;
   /// Kalman's update of the prediction by a match. [kalman1960]
   [[nodiscard]] Estimate corrected(const Estimate& prediction, const Pose2& odom_T_key, const MatchResult& match);
-  [[nodiscard]] double steady_period_s(double period_s);
   /// Since the last scan that was no repetition; of a repetition since the last scan.
   [[nodiscard]] double unobserved_period_s(const ScanFrame& scan, double period_s);
-  void remember(const Motion& motion, double period_s);
+  void remember(const ScanFrame& scan, const Motion& motion, double period_s);
   /// How credible the match is, its other answers, and what is usual.
   void judge(const Result<MatchResult>& match, const Pose2& odom_T_key, double period_s, Motion& motion);
   /// Whether the local map shall begin anew with this scan.
@@ -116,10 +115,11 @@ class LaserOdometry {
   bool rebuild_is_due_ = false;
   bool started_ = false;
   Pose2 odom_T_key_{};
-  std::int64_t stamp_ns_ = 0;
+  std::int64_t stamp_ns_ = 0;  ///< of the last scan, as told; its time as estimated
+  std::int64_t time_ns_ = 0;
+  double time_sd_s_ = 0.0;
   Pose2 odom_T_scan_{};
   double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;
-  double usual_period_s_ = 0.0;
   double stale_s_ = 0.0;  ///< for which the laser has repeated a scan
   UsualLevel usual_score_;
   int unsettled_scans_ = 0;

@@ -20,7 +20,7 @@ StuckDetector::StuckDetector(int beams_max) {
   changes_m_.reserve(static_cast<std::size_t>(beams_max));
 }
 
-bool StuckDetector::add(std::span<const float> ranges_m) {
+void StuckDetector::add(std::span<const float> ranges_m) {
   const std::size_t room = last_m_.capacity();
   const std::span<const float> ranges = ranges_m.first(std::min(ranges_m.size(), room));
   changes_m_.clear();
@@ -31,17 +31,18 @@ bool StuckDetector::add(std::span<const float> ranges_m) {
     }
   }
   last_m_.assign(ranges.begin(), ranges.end());
+  repeats_ = is_too_quiet_ = false;
   if (changes_m_.size() < kReturns_min) {
-    return false;
+    return;
   }
   const auto same = static_cast<double>(std::count(changes_m_.begin(), changes_m_.end(), 0.0F));
   const auto middle = changes_m_.begin() + static_cast<std::ptrdiff_t>(changes_m_.size() / 2);
   std::nth_element(changes_m_.begin(), middle, changes_m_.end());
-  const bool repeats = same >= kSame_share * static_cast<double>(changes_m_.size());
-  return repeats || is_too_quiet(*middle);
+  repeats_ = same >= kSame_share * static_cast<double>(changes_m_.size());
+  is_too_quiet_ = is_unlike_its_noise(*middle);
 }
 
-bool StuckDetector::is_too_quiet(float change_m) {
+bool StuckDetector::is_unlike_its_noise(float change_m) {
   const float recent_m = std::max({change_m, recent_m_[0], recent_m_[1]});
   recent_m_[0] = recent_m_[1];
   recent_m_[1] = change_m;

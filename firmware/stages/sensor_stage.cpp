@@ -64,8 +64,9 @@ void SensorStage::observe(const RawScan& raw, std::uint64_t digest, std::int64_t
   last_digest_ = digest;
   earlier_in_a_row_ = 0;
   last_scan_ns_ = now_ns;
-  frame.set_stale(stuck_.add(raw.ranges_m));
-  stale_in_a_row_ = frame.is_stale() ? stale_in_a_row_ + 1 : 0;
+  stuck_.add(raw.ranges_m);
+  frame.set_stale(stuck_.repeats());
+  stuck_in_a_row_ = stuck_.is_suspect() ? stuck_in_a_row_ + 1 : 0;
   blind_in_a_row_ = frame.returns() < kBlindShare * frame.size() ? blind_in_a_row_ + 1 : 0;
 }
 

@@ -33,7 +33,7 @@ class SensorStage {
   /// Of the laser, as estimated; 0: not known.
   [[nodiscard]] std::int64_t period_ns() const { return std::llround(counts_.times.period_s * 1e9); }
   [[nodiscard]] bool is_blind() const { return blind_in_a_row_ >= kBlindScans; }
-  [[nodiscard]] bool is_stuck() const { return stale_in_a_row_ >= kStuckScans; }
+  [[nodiscard]] bool is_stuck() const { return stuck_in_a_row_ >= kStuckScans; }
 
   static constexpr std::int64_t kLate_ns = 500'000'000;  ///< older scans say nothing about now
   static constexpr int kAnewScans = 10;  ///< older ones in a row, in their own order: a source that began anew
@@ -56,7 +56,7 @@ class SensorStage {
   int earlier_in_a_row_ = 0;
   std::uint64_t last_digest_ = 0;
   StuckDetector stuck_;
-  int stale_in_a_row_ = 0;
+  int stuck_in_a_row_ = 0;
   int blind_in_a_row_ = 0;
 };
 
