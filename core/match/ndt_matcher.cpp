@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kReturns_min = 8;
 constexpr int kProbe_steps = 30;
+constexpr int kRest_steps = 60;
 constexpr double kPoints_per_fact = 5.0;   // neighbouring points err together: the same wall, the same cell
 constexpr double kStray_share = 0.03;      // of the strongest translation's information
 constexpr double kInformation_min = 1e-3;  // per return: keeps the covariance of a direction without hold finite
@@ -87,10 +88,15 @@ Result<MatchResult> NdtMatcher::match(MatchReference& reference, const ScanFrame
   const MotionPrior prior{expected.reference_T_scan, expected.sd_m, expected.sd_rad, params_.prior_weight};
   result.escalated = expected.is_wide;
   SearchOutcome outcome = search(reference, prior, deadline, rng, result);
+  const SearchGround ground{reference.coarse(), reference.fine(), reference.orientations(), prior,
+                            reference.exact_ndt()};
+  if (expected.is_wide) {
+    const SearchPoint rest = to_search_point(expected.rest_T_scan);
+    outcome.peaks.offer(PoseSearch::climb(ground, scan_.points, rest, kRest_steps, outcome.evaluations));
+  }
   climb(reference, outcome, result);
   const double before = outcome.peaks.best().score;
-  probe({reference.coarse(), reference.fine(), reference.orientations(), prior, reference.exact_ndt()}, outcome,
-        result.weak_direction);
+  probe(ground, outcome, result.weak_direction);
   if (outcome.peaks.best().score > before) {
     climb(reference, outcome, result);
   }

@@ -52,6 +52,7 @@ struct Expectation {
   double sd_m = 0.0;
   double sd_rad = 0.0;
   bool is_wide = false;  ///< it may well lead out of the box: the wide search is run as well
+  Pose2 rest_T_scan{};   ///< where it would be at rest, reference frame: a start of the wide search
 };
 
 /// Of a pair of scans `period_s` apart about which nothing else is known: no motion, give or take what the speeds

@@ -65,8 +65,9 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   MotionReach reach = expected_reach(unobserved_s);
   reach.distance_m += std::hypot(speed_x_mps_, speed_y_mps_) * motion.duration_sd_s;  // driven so much longer, or less
   reach.rotation_rad += std::abs(speed_yaw_radps_) * motion.duration_sd_s;
-  const Result<MatchResult> match = matcher_.match(
-      reference_, scan, {key_T_scan, reach.distance_m, reach.rotation_rad, reach.distance_m > kWide_m}, deadline, rng);
+  const Expectation expected{key_T_scan, reach.distance_m, reach.rotation_rad, reach.distance_m > kWide_m,
+                             odom_T_key.inverse() * odom_T_scan_};
+  const Result<MatchResult> match = matcher_.match(reference_, scan, expected, deadline, rng);
   copy_figures(match.ok() ? match.value() : MatchResult{}, motion);
   motion.set(kMatched, match.ok());
   // The first scan is where the run begins.
@@ -147,7 +148,7 @@ void LaserOdometry::remember(const ScanFrame& scan, const Motion& motion, double
   const double kept = leapt ? 0.0 : motion.matched() ? 1.0 : kSpeed_kept_unmatched;
   speed_x_mps_ *= kept;
   speed_y_mps_ *= kept;
-  speed_yaw_radps_ = kept * motion.previous_T_current.yaw_rad / period_s;
+  speed_yaw_radps_ = kept * motion.previous_T_current.yaw_rad / (period_s + motion.duration_sd_s);
   if (started_) {
     covariance_ = motion.error().after(covariance_);
   }
