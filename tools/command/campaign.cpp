@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <thread>
@@ -157,6 +158,7 @@ void run(const CampaignJob& job) {
   if (wanted != nullptr) {
     write_whole_file(job.trace, trace.text);
   }
+  static_cast<void>(std::fflush(stdout));  // before the reason of the exit status
   if (failures > 0) {
     throw UserError(kSilentFailure,
                     fmt::format("{} silent failures: the daemon said OK for more than 1 s while its pose was more than "
