@@ -315,6 +315,16 @@ TEST(CampaignFaults, AKidnappedRobotIsCarriedOnceAndWandersOnClearOfEverything) 
   }
 }
 
+TEST(CampaignFaults, APlaceToCarryARobotToIsFound) {
+  for (const FaultKind kind : {FaultKind::kKidnapping, FaultKind::kSymmetric}) {
+    for (int i = 0; i < 20; ++i) {
+      Scenario scenario = draw_scenario(4, i, kind);
+      scenario.fault.variant = 1;
+      EXPECT_TRUE(Drive(scenario).was_carried()) << describe(scenario);
+    }
+  }
+}
+
 TEST(CampaignFaults, ACorridorHidesItsEnds) {
   const Streams streams = streams_of(FaultKind::kCorridor, 1, 5.0, 0);
   for (const SentScan& scan : streams.faulty.scans) {

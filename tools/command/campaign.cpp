@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <thread>
@@ -51,21 +52,22 @@ std::vector<Scenario> scenarios_of(const CampaignJob& job) {
   return scenarios;
 }
 
-/// Does `play(i)` for each of so many groups of runs, on all threads.
+/// Does `play(i)` for each of so many groups of runs of one size, on all threads.
 template <class Play>
-void play_all(const CampaignJob& job, int groups, Play play) {
+void play_all(const CampaignJob& job, int groups, int group_size, Play play) {
   std::vector<Task> tasks;
   for (int i = 0; i < groups; ++i) {
     tasks.push_back({1.0, [i, &play](const ShareDone&) { play(i); }});
   }
-  Progress bar(groups, InPipe::kLines);
-  run_tasks(std::move(tasks), job.jobs, [&bar](double, int finished) { bar.update(finished, "runs"); });
+  Progress bar(std::int64_t{groups} * group_size, InPipe::kLines);
+  run_tasks(std::move(tasks), job.jobs,
+            [&](double, int finished) { bar.update(std::int64_t{finished} * group_size, "runs"); });
 }
 
 std::vector<RunResult> play_runs(const CampaignJob& job) {
   const std::vector<Scenario> scenarios = scenarios_of(job);
   std::vector<RunResult> results(scenarios.size());
-  play_all(job, static_cast<int>(scenarios.size()), [&](int i) {
+  play_all(job, static_cast<int>(scenarios.size()), 1, [&](int i) {
     results[static_cast<std::size_t>(i)] = campaign::play(scenarios[static_cast<std::size_t>(i)]);
   });
   return results;
@@ -74,7 +76,7 @@ std::vector<RunResult> play_runs(const CampaignJob& job) {
 std::vector<GapResult> play_sweep(const CampaignJob& job) {
   const GapSweep sweep(job.seed);
   std::vector<std::vector<GapResult>> groups(static_cast<std::size_t>(sweep.groups()));
-  play_all(job, sweep.groups(),
+  play_all(job, sweep.groups(), GapSweep::kLengths,
            [&](int i) { groups[static_cast<std::size_t>(i)] = campaign::play_gaps(sweep.group(i)); });
   std::vector<GapResult> results;
   for (const std::vector<GapResult>& group : groups) {
@@ -156,6 +158,7 @@ void run(const CampaignJob& job) {
   if (wanted != nullptr) {
     write_whole_file(job.trace, trace.text);
   }
+  static_cast<void>(std::fflush(stdout));  // before the reason of the exit status
   if (failures > 0) {
     throw UserError(kSilentFailure,
                     fmt::format("{} silent failures: the daemon said OK for more than 1 s while its pose was more than "

@@ -63,8 +63,10 @@ void Drive::carry_away(const Scenario& scenario) {
   for (int tries = 0; tries < kTries; ++tries) {
     const double bearing_rad = chance.uniform(-std::numbers::pi, std::numbers::pi);
     const double yaw_rad = chance.uniform(-std::numbers::pi, std::numbers::pi);
-    const Pose2 place{from.x_m + scenario.fault.severity * std::cos(bearing_rad),
-                      from.y_m + scenario.fault.severity * std::sin(bearing_rad), yaw_rad};
+    const Bounds& bounds = spec_of(scenario.fault.kind).severity;
+    const double other_m = chance.uniform(bounds.min, bounds.max);
+    const double way_m = tries < kTries / 2 ? scenario.fault.severity : other_m;  // rather than nowhere
+    const Pose2 place{from.x_m + way_m * std::cos(bearing_rad), from.y_m + way_m * std::sin(bearing_rad), yaw_rad};
     if (!wanderer.can_stand(place) || !was_seen(place, scenario)) {
       continue;
     }

@@ -68,8 +68,8 @@ void Run::tick(double time_s) {
   }
 }
 
-Pose2 Run::error(double time_s) const {
-  const double of_s = time_s - last_true_s_ > kOld_s ? time_s : last_true_s_;
+Pose2 Run::error(double time_s, bool is_scan) const {
+  const double of_s = !is_scan && time_s - last_true_s_ > kOld_s ? time_s : last_true_s_;
   return true_map_T_scan(of_s).inverse() * chain_.last().filter.map_T_scan;
 }
 
@@ -77,7 +77,7 @@ void Run::observe(double time_s, const char* event, bool is_scan) {
   const HealthReport& report = chain_.health(host_ns(time_s));
   Observation seen{.time_s = time_s, .state = report.state, .is_scan = is_scan};
   if (chain_.has_pose()) {
-    const Pose2 off = error(time_s);
+    const Pose2 off = error(time_s, is_scan);
     seen.error_m = off.distance_m({});
     seen.error_rad = off.yaw_rad;
     seen.confidence = said_probability(report.state, chain_.last().filter);

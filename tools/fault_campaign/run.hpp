@@ -44,8 +44,8 @@ class Run {
  private:
   void take(const ScanStream& stream, const SentScan& scan);
   void tick(double time_s);
-  /// map_T_scan against the truth: of the scan's time, or of now where the scan is old.
-  [[nodiscard]] Pose2 error(double time_s) const;
+  /// map_T_scan against the truth: of the scan's time, or of now where no scan came just now and the last one is old.
+  [[nodiscard]] Pose2 error(double time_s, bool is_scan) const;
   void observe(double time_s, const char* event, bool is_scan);
   void write_trace(const Observation& seen, const char* event, const HealthReport& report);
 

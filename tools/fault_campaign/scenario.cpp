@@ -151,6 +151,11 @@ void choose_place(Rng& chance, FaultKind kind, Scenario& scenario) {
   }
 }
 
+bool has_variants(FaultKind kind) {
+  return kind == FaultKind::kDeadSector || kind == FaultKind::kSymmetric || kind == FaultKind::kCorridor ||
+         kind == FaultKind::kProcessStop;
+}
+
 bool is_instant(const Fault& fault) {
   return fault.kind == FaultKind::kKidnapping || (fault.kind == FaultKind::kSymmetric && fault.variant == 1);
 }
@@ -216,12 +221,15 @@ Scenario draw_scenario(std::uint64_t campaign_seed, int index, FaultKind kind) {
 }
 
 std::string describe(const Scenario& scenario) {
-  const FaultSpec& spec = spec_of(scenario.fault.kind);
+  const Fault& fault = scenario.fault;
+  const FaultSpec& spec = spec_of(fault.kind);
+  const bool is_silence = fault.kind == FaultKind::kSymmetric && fault.variant == 0;
   const std::string severity =
-      spec.severity.max > 0.0 ? fmt::format(" {:.4g} {}", scenario.fault.severity, spec.severity_unit) : "";
-  return fmt::format("{:5} {:12} variant {} {:5.1f} to {:5.1f} s of {:4.1f} s, world {} from {:.1f} s, laser {}{}",
-                     scenario.index, spec.name, scenario.fault.variant, scenario.fault.start_s, scenario.fault.end_s,
-                     scenario.duration_s, scenario.world, scenario.path_start_s, scenario.laser, severity);
+      spec.severity.max > 0.0 && !is_silence ? fmt::format(", {:.4g} {}", fault.severity, spec.severity_unit) : "";
+  const std::string variant = has_variants(fault.kind) ? fmt::format(" variant {},", fault.variant) : "";
+  return fmt::format("{:5} {:12}{} {:4.1f} to {:4.1f} s of {:4.1f} s, world {} from {:.1f} s, laser {}{}",
+                     scenario.index, spec.name, variant, fault.start_s, fault.end_s, scenario.duration_s,
+                     scenario.world, scenario.path_start_s, scenario.laser, severity);
 }
 
 World load_world(const Scenario& scenario) {
