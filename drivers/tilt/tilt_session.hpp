@@ -34,8 +34,19 @@ enum class TiltEventType : std::uint8_t {
   kStalled,      ///< it doesn't move as it should, and was stopped
   kLost,         ///< it doesn't answer, has started anew or was taken away; the session brings it up again
   kBusError,     ///< the bus reports an error; `code` is its class
+  kDoesWithout,  ///< it refuses something without which it does as well; `code` is a TiltLack
 };
-inline constexpr std::size_t kTiltEventTypes = 6;
+inline constexpr std::size_t kTiltEventTypes = 7;
+
+/// What a servo cannot do by itself, and is used without.
+enum class TiltLack : std::uint8_t {
+  kWatchOfDaemon,      ///< notice that the daemon is dead
+  kStopWithoutDaemon,  ///< be told what to do then
+  kHoldAfterStop,      ///< keep its torque once it is stopped
+  kLimits,             ///< keep its limits
+  kHeartbeat,          ///< tell that it lives
+};
+inline constexpr std::size_t kTiltLacks = 5;
 
 /// How a servo told an error, which says what its `code` means.
 enum class TiltError : std::uint8_t {

@@ -174,8 +174,11 @@ void TiltSource::on_event(const TiltEvent& event) {
 // What goes wrong goes wrong again at each attempt, and on a bus in trouble thousands of times a second.
 bool TiltSource::is_news(const TiltEvent& event) {
   const auto type = static_cast<std::size_t>(event.type);
-  Told& told =
-      told_.at(event.error == TiltError::kNone ? type : kTiltEventTypes + static_cast<std::size_t>(event.error));
+  const std::size_t kind = event.type == TiltEventType::kDoesWithout
+                               ? kTiltEventTypes + kTiltErrors + static_cast<std::size_t>(event.code)
+                           : event.error == TiltError::kNone ? type
+                                                             : kTiltEventTypes + static_cast<std::size_t>(event.error);
+  Told& told = told_.at(kind);
   const std::int64_t pause_ns = told.event == event ? kSameEventPause_ns : kEventPause_ns;
   if (told.at_ns != 0 && now_ns_ - told.at_ns < pause_ns) {
     return false;

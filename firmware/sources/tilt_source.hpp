@@ -78,7 +78,7 @@ class TiltSource final : private TiltSink {
     TiltEvent event;
     std::int64_t at_ns = 0;  ///< 0: never
   };
-  std::array<Told, kTiltEventTypes + kTiltErrors> told_{};  ///< since it obeyed, one of each kind
+  std::array<Told, kTiltEventTypes + kTiltErrors + kTiltLacks> told_{};  ///< since it obeyed, one of each kind
   double last_angle_rad_ = 0.0;
   bool has_angle_ = false;
   bool had_angle_ = false;

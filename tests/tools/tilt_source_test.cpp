@@ -198,6 +198,32 @@ TEST(TiltEventText, TellsWhatIsRefusedAndWhy) {
   EXPECT_THAT(line_of(event), AllOf(HasSubstr("address 48:"), HasSubstr("limits")));
 }
 
+TEST(TiltEventText, BlamesTheConfigurationOnlyForWhatItSays) {
+  TiltEvent event{.type = TiltEventType::kDeviceError, .error = TiltError::kAbort, .code = 0x06090030};
+  event.object = 0x608100;
+  EXPECT_THAT(line_of(event), AllOf(HasSubstr("object 608100h"), HasSubstr("tilt.speed_degps")));
+  for (const std::uint32_t object : {0x605A00U, 0x600700U, 0x101601U, 0x180002U, 0x606000U}) {
+    event.object = object;
+    EXPECT_THAT(line_of(event), AllOf(HasSubstr("out of its range"), ::testing::Not(HasSubstr("tilt."))));
+  }
+}
+
+TEST(TiltSource, SaysWhatADriveCannotDoByItselfAndUsesItAllTheSame) {
+  TiltBench bench(servo_params(TiltDriver::kCia402));
+  bench.to_source = [](ServoFrame& frame) {
+    CanFrame reply = *to_can_frame(frame);
+    const std::uint32_t object = canopen::get(reply, 1, 2);
+    if (reply.id == 0x581 && (object == 0x605A || object == 0x6007 || object == 0x1016)) {
+      reply.data[0] = 0x80;
+      canopen::put(reply, 4, object == 0x1016 ? 0x06040043 : 0x06090030, 4);
+      frame = ServoFrame(as_bytes(reply).begin(), as_bytes(reply).end());
+    }
+  };
+  bench.run(3 * kServoSecond);
+  EXPECT_THAT(bench.log,
+              ElementsAre(HasSubstr("1016h"), HasSubstr("6007h"), HasSubstr("605Ah"), "tilt servo: set up, obeys"));
+}
+
 TEST(TiltSource, SaysWhichHardwareErrorAServoHas) {
   TiltBench bench(servo_params(TiltDriver::kDynamixel), "error=32@2:1");
   bench.run(6 * kServoSecond);

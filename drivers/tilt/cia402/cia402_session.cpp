@@ -92,6 +92,7 @@ void Cia402Session::enter(Phase phase, std::int64_t now_ns) {
       break;
     case Phase::kSetUp:
       setting_ = 0;
+      has_heartbeat_ = true;
       next_setting(now_ns);
       break;
     case Phase::kReadMark:
@@ -152,6 +153,16 @@ void Cia402Session::next_setting(std::int64_t now_ns) {
   sdo_.write(setting.object, setting.value, setting.size_bytes, now_ns);
 }
 
+void Cia402Session::on_setting(bool was_refused, std::int64_t now_ns, TiltSink& sink) {
+  if (const std::optional<TiltLack> lack = was_refused ? set_up_.lack_without(setting_) : std::nullopt; lack) {
+    has_heartbeat_ = has_heartbeat_ && *lack != TiltLack::kHeartbeat;
+    sink.on_event(
+        {.type = TiltEventType::kDoesWithout, .reason = Errc::kDeviceStatus, .code = static_cast<std::int64_t>(*lack)});
+  }
+  setting_ = set_up_.next(setting_, was_refused);
+  next_setting(now_ns);
+}
+
 void Cia402Session::on_found(std::int64_t now_ns, TiltSink& sink) {
   if ((sdo_.value() & 0xFFFFU) == kDriveProfile) {
     enter(Phase::kSetUp, now_ns);
@@ -193,8 +204,7 @@ void Cia402Session::on_sdo(SdoClient::Outcome outcome, std::int64_t now_ns, Tilt
   if (phase_ == Phase::kFind) {
     on_found(now_ns, sink);
   } else if (phase_ == Phase::kSetUp) {
-    ++setting_;
-    next_setting(now_ns);
+    on_setting(aborted, now_ns, sink);
   } else if (phase_ == Phase::kReadMark) {
     homed_ = !aborted && sdo_.value() == cia402::zero_mark(params_.homing_method);
     enter(Phase::kStart, now_ns);
@@ -253,7 +263,7 @@ void Cia402Session::watch(std::int64_t now_ns, TiltSink& sink) {
   if (!is_cyclic()) {
     return;
   }
-  const bool silent = now_ns - heard_heartbeat_ns_ >= 3 * params_.heartbeat_period_ns;
+  const bool silent = has_heartbeat_ && now_ns - heard_heartbeat_ns_ >= 3 * params_.heartbeat_period_ns;
   const bool no_status = phase_ != Phase::kStart && unanswered_syncs_ >= kUnansweredMax;
   if (silent || no_status) {
     give_up(Errc::kDeviceSilent, now_ns, sink);

@@ -64,6 +64,7 @@ class Cia402Session final : public TiltSession {
   void on_found(std::int64_t now_ns, TiltSink& sink);
   [[nodiscard]] bool tolerates() const;
   void next_setting(std::int64_t now_ns);
+  void on_setting(bool was_refused, std::int64_t now_ns, TiltSink& sink);
   void on_status(const CanFrame& frame, std::int64_t arrival_ns, TiltSink& sink);
   void on_velocity(const CanFrame& frame, TiltSink& sink);
   void pass_on(double angle_rad, std::int64_t arrival_ns, TiltSink& sink);
@@ -87,6 +88,7 @@ class Cia402Session final : public TiltSession {
 
   Phase phase_ = Phase::kPause;
   std::size_t setting_ = 0;  ///< the one that is being written
+  bool has_heartbeat_ = true;
   std::int64_t phase_end_ns_ = 0;
   bool was_reset_ = false;
   bool silence_told_ = false;
