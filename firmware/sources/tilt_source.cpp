@@ -64,7 +64,9 @@ void TiltSource::work(const Clock& clock, ScanSink& sink) {
     session_->tick(now_ns_, *this);
     alive = write_all() && alive;
     if (!alive) {
-      sink.on_event(EventPriority::kWarning, "tilt servo: its line is gone; it is opened again when it is back", 0);
+      sink.on_event(EventPriority::kWarning,
+                    "tilt servo: its line was unplugged or closed at the other end; it is opened again when it is back",
+                    0);
       return_line();
     }
   }

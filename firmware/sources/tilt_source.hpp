@@ -49,7 +49,7 @@ class TiltSource final : private TiltSink {
   void obey(std::int64_t now_ns);
   [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
   [[nodiscard]] bool is_level(double angle_rad) const;
-  /// False when the line is gone.
+  /// False when the line has ended.
   [[nodiscard]] bool read_all(const Clock& clock);
   [[nodiscard]] bool write_all();
   /// Of what a read or a write came to: says when the link has gone down or come up.

@@ -257,7 +257,7 @@ class DaemonTest(DaemonCase):
         daemon.send_signal(signal.SIGTERM)
         self.assertEqual(daemon.wait(timeout=10), 0)
         log = daemon.stderr.read()
-        stalled, dead = log.find("tilt servo: stalled"), log.find("tilt servo: its line is gone")
+        stalled, dead = log.find("tilt servo: stalled"), log.find("tilt servo: its line was unplugged or closed")
         self.assertTrue(0 < stalled < dead, "first it stalled, and then it died:\n" + log)
 
     def test_says_that_answers_of_the_servo_are_wrong_and_goes_on(self):
