@@ -135,6 +135,13 @@ class TiltSession {
   /// What to do from now on. A stop goes before all else that waits. The same command once more does nothing.
   virtual void command(TiltCommand command, std::int64_t now_ns) = 0;
 
+  /// The last: how the servo is to be left. It is no more watched for the daemon's signs of life from then on, so that
+  /// it stays so. Where it was being brought up, it is left as it is, but for its torque.
+  virtual void finish(TiltEnd end, std::int64_t now_ns) = 0;
+  /// Whether it has confirmed that, or is lost: nothing is sent any more, until a reset. Its owner is to be patient
+  /// for some 0.2 s.
+  [[nodiscard]] virtual bool is_finished() const = 0;
+
   /// Decodes; calls `sink` for every angle and event found, in order.
   virtual void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, TiltSink& sink) = 0;
 

@@ -51,16 +51,24 @@ void TiltSource::obey(std::int64_t now_ns) {
   }
 }
 
+void TiltSource::end(std::int64_t now_ns) {
+  ends_ = true;
+  const bool stopped = gpio_ != nullptr && gpio_->is_stopped(now_ns);
+  session_->finish(stopped ? TiltEnd::kHold : params_.at_end, now_ns);
+}
+
 void TiltSource::work(const Clock& clock, ScanSink& sink) {
   sink_ = &sink;
   now_ns_ = clock.now_ns();
-  if (!is_open()) {
+  if (!is_open() && !ends_) {
     take_line(now_ns_);
   }
   if (is_open()) {
     bool alive = read_all(clock);
     now_ns_ = clock.now_ns();
-    obey(now_ns_);
+    if (!ends_) {
+      obey(now_ns_);
+    }
     session_->tick(now_ns_, *this);
     alive = write_all() && alive;
     if (!alive) {

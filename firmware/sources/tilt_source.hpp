@@ -38,6 +38,11 @@ class TiltSource final : private TiltSink {
   /// Angles for the beams' times.
   [[nodiscard]] const TiltHistory& history() const { return history_; }
 
+  /// The last but for `work`, which is to be called until it has ended, or for 0.25 s: how the servo is to be left
+  /// (tilt.at_end); where it is while the stop line says so.
+  void end(std::int64_t now_ns);
+  [[nodiscard]] bool has_ended() const { return !is_open() || session_->is_finished(); }
+
   /// Any thread: what to do from now on; the sensor thread is to be woken.
   void request(TiltCommand command) { wanted_.store(command, std::memory_order_release); }
 
@@ -71,6 +76,7 @@ class TiltSource final : private TiltSink {
   std::atomic<TiltCommand> wanted_;
   const GpioSignals* gpio_ = nullptr;
   int descriptor_ = -1;
+  bool ends_ = false;
   bool is_link_down_ = false;
   bool link_told_down_ = false;
   std::int64_t now_ns_ = 0;

@@ -158,6 +158,28 @@ TEST(TiltSource, IsTakenForLevelWhileItWaitsForLeaveToFindItsZero) {
   EXPECT_FALSE(bench.source().was_level_since(bench.now_ns() - kServoSecond));
 }
 
+TEST_P(TiltSourceOfBoth, LeavesTheServoAsConfiguredAndWhereItIsWhileTheStopLineIsPressed) {
+  TiltParams sweeping = params();
+  sweeping.at_start = TiltCommand::kSweep;
+  sweeping.at_end = TiltEnd::kLevel;
+  for (const bool stopped : {false, true}) {
+    TiltBench bench(sweeping);
+    bench.run(2 * kServoSecond);
+    while (std::abs(bench.servo().angle_rad()) < 0.2) {
+      bench.run(kServoMs);
+    }
+    EXPECT_FALSE(bench.source().has_ended());
+    bench.gpio_hangs = stopped;
+    bench.run(stopped ? 200 * kServoMs : kServoMs);
+    const double angle_rad = bench.servo().angle_rad();
+    bench.source().end(bench.now_ns());
+    bench.run(200 * kServoMs);
+    EXPECT_TRUE(bench.source().has_ended());
+    bench.run(3 * kServoSecond);
+    EXPECT_NEAR(bench.servo().angle_rad(), stopped ? angle_rad : 0.0, 0.01);
+  }
+}
+
 TEST_P(TiltSourceOfBoth, SaysOnceThatTheServoDoesNotAnswerAndAgainAfterItHas) {
   TiltBench bench(params(), "silence@3:20");
   bench.run(30 * kServoSecond);

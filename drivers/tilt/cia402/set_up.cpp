@@ -37,7 +37,7 @@ std::uint32_t milliseconds(std::int64_t duration_ns) {
 
 SetUp::SetUp(const TiltParams& params, const TiltScale& scale) {
   const auto node = static_cast<std::uint32_t>(params.id);
-  add({0x6040, 0}, kQuickStopControl, 2, true);  // whatever it does for whoever was here before
+  add(kControlWord, kQuickStopControl, 2, true);  // whatever it does for whoever was here before
   add({0x1005, 0}, canopen::kSyncCob, 4, true);
   add_heartbeats(params);
   add_pdo(0x1400, canopen::kReceivePdo1Cob + node, kAtOnce, kCommandMapping);
@@ -92,7 +92,7 @@ void SetUp::add_heartbeats(const TiltParams& params) {
   add(kOwnHeartbeat, milliseconds(params.heartbeat_period_ns), 2, true);
   if (params.master_id != 0) {
     const std::uint32_t timeout_ms = milliseconds(3 * params.heartbeat_period_ns);
-    add({0x1016, 1}, static_cast<std::uint32_t>(params.master_id) << 16U | timeout_ms, 4, true);
+    add(kWatchedHeartbeat, static_cast<std::uint32_t>(params.master_id) << 16U | timeout_ms, 4, true);
     add({0x6007, 0}, kQuickStopOnLostMaster, 2, true);
   }
 }

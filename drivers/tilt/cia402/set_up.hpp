@@ -14,8 +14,10 @@
 namespace odoless::cia402 {
 
 inline constexpr canopen::Object kDeviceType{0x1000, 0};
+inline constexpr canopen::Object kWatchedHeartbeat{0x1016, 1};
 inline constexpr canopen::Object kOwnHeartbeat{0x1017, 0};
 inline constexpr canopen::Object kErrorCode{0x603F, 0};
+inline constexpr canopen::Object kControlWord{0x6040, 0};
 inline constexpr canopen::Object kModeOfOperation{0x6060, 0};
 
 inline constexpr std::uint32_t kProfilePosition = 1;
