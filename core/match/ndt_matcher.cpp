@@ -38,6 +38,7 @@ MatcherParams seed_matcher_params() {
   params.reference.thinning_m = 0.0;
   params.reference.free_penalty = 0.0;
   params.search.start_points = 100;
+  params.search.expected_share = 0.0;
   params.search.coarse_evaluations = 0;
   params.search.fine_evaluations = 5000;
   params.search.exact = true;

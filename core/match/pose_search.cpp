@@ -98,7 +98,9 @@ void PoseSearch::start(const Objective& objective, const SearchGround& ground, c
   evolution_.offer(centre, objective(centre));
   for (int i = 1; i < params_.start_points; ++i) {
     const SearchPoint fractions = halton(i);
-    const bool is_as_expected = i % 2 == 1 && ground.prior.is_known();
+    const double expected = params_.expected_share * i;
+    const bool is_as_expected =
+        ground.prior.is_known() && std::floor(expected + params_.expected_share) > std::floor(expected);
     SearchPoint pose = is_as_expected ? expected_at(ground.prior, box, fractions) : box.at(fractions);
     if (!is_as_expected) {
       pose[2] = centre[2] + angles_.offset_rad(fractions[2]);

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kMatch_sd_m = 0.01;  // what no covariance of a match may undercut: cells, thinning, distortion
 constexpr double kMatch_sd_rad = 0.003;
+constexpr double kHole_s = 1.0;       // between two scans: who sees little again after it may have gone there by itself
 constexpr double kCredible = 0.9;     // a step that is less probable breaks the local map, and tells no speed
 constexpr double kWeight_min = 0.05;  // of another answer that particles shall try
 constexpr double kSlack_m = 0.1;      // of a step beyond the robot's limits: what the match may be off by
@@ -45,8 +46,7 @@ LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const RobotLimit
       keys_(static_cast<std::size_t>(params.key_scans), KeyScan{ScanFrame(scan), {}}),
       placed_(static_cast<std::size_t>(params.key_scans)) {
   ODOLESS_CHECK(parameters_in_range(params) && parameters_in_range(limits));
-  covariance_.bottomRightCorner<2, 2>().diagonal().setConstant(0.5 * params.speed_error_max_mps *
-                                                               params.speed_error_max_mps);
+  forget_speed();
 }
 
 Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, Rng& rng) {
@@ -70,9 +70,10 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   const Result<MatchResult> match = matcher_.match(reference_, scan, expected, deadline, rng);
   copy_figures(match.ok() ? match.value() : MatchResult{}, motion);
   motion.set(kMatched, match.ok());
-  // The first scan is where the run begins.
+  motion.set(kJolted, match.ok() && unobserved_s < kHole_s && motion.score < params_.poor_share * usual_score_.value());
+  // The first scan is where the run begins; and what matches poorly tells nothing of the motion.
   Estimate estimate{prediction.odom_T_scan, started_ ? prediction.error : ErrorProcess{}};
-  if (match.ok()) {
+  if (match.ok() && !motion.has(kJolted)) {
     estimate = corrected(prediction, odom_T_key, match.value());
   }
   estimate.error.initial = covariance_;
@@ -81,11 +82,12 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   motion.set_error(estimate.error);
   judge(match, odom_T_key, unobserved_s, motion);
   remember(scan, motion, period_s);
+  const Pose2 key_T_now = odom_T_key.inverse() * odom_T_scan_;
   if (begins_anew(motion)) {
     key_count_ = 0;
     add_key(scan, odom_T_scan_);
-  } else if (reference_.empty() || (odom_T_key.inverse() * odom_T_scan_).distance_m({}) > params_.key_distance_m ||
-             std::abs(wrap_angle(odom_T_scan_.yaw_rad - odom_T_key.yaw_rad)) > params_.key_rotation_rad) {
+  } else if (reference_.empty() || key_T_now.distance_m({}) > params_.key_distance_m ||
+             std::abs(wrap_angle(key_T_now.yaw_rad)) > params_.key_rotation_rad) {
     add_key(scan, odom_T_scan_);
   }
   return motion;
@@ -113,7 +115,6 @@ void LaserOdometry::judge(const Result<MatchResult>& match, const Pose2& odom_T_
                                  .matched = match.ok(),
                                  .is_within_limits = is_within_limits,
                                  .score_share = usual > 0.0 ? std::max(1e-9, motion.score / usual) : 0.0});
-  motion.set(kJolted, match.ok() && motion.score < params_.poor_share * usual);
   if (!match.ok()) {
     return;
   }
@@ -130,21 +131,20 @@ void LaserOdometry::judge(const Result<MatchResult>& match, const Pose2& odom_T_
   usual_score_.add(motion.score, std::min(period_s, ScanSpan::kMax_s));
 }
 
-// What was mapped before an incredible step, or a poor match, may be elsewhere.
+// What was mapped before may be elsewhere after an incredible step, or when several scans have matched it poorly.
 bool LaserOdometry::begins_anew(const Motion& motion) {
-  if (motion.probability < kCredible) {
-    unsettled_scans_ = 0;
-    return true;
+  poor_in_a_row_ = motion.has(kJolted) ? poor_in_a_row_ + 1 : 0;
+  const bool anew = motion.probability < kCredible || poor_in_a_row_ >= params_.poor_scans;
+  if (anew) {
+    poor_in_a_row_ = 0;
+    usual_score_ = UsualLevel{};  // of another scene
   }
-  if (motion.has(kJolted)) {
-    unsettled_scans_ = params_.settled_scans;
-  }
-  return !motion.has(kJolted) && unsettled_scans_ > 0 && --unsettled_scans_ == 0;
+  return anew;
 }
 
 void LaserOdometry::remember(const ScanFrame& scan, const Motion& motion, double period_s) {
   // A blind robot is not taken to drive on for ever, and one that was carried away not to go on like that.
-  const bool leapt = motion.matched() && (motion.has(kJolted) || motion.probability < kCredible);
+  const bool leapt = motion.matched() && motion.probability < kCredible;
   const double kept = leapt ? 0.0 : motion.matched() ? 1.0 : kSpeed_kept_unmatched;
   speed_x_mps_ *= kept;
   speed_y_mps_ *= kept;
@@ -152,11 +152,21 @@ void LaserOdometry::remember(const ScanFrame& scan, const Motion& motion, double
   if (started_) {
     covariance_ = motion.error().after(covariance_);
   }
+  if (leapt) {
+    forget_speed();
+  }
   odom_T_scan_ = motion.odom_T_current;
   stamp_ns_ = scan.stamp_ns();
   time_ns_ = scan.time_ns();
   time_sd_s_ = scan.time_sd_s();
   started_ = true;
+}
+
+void LaserOdometry::forget_speed() {
+  covariance_.rightCols<2>().setZero();
+  covariance_.bottomRows<2>().setZero();
+  covariance_.bottomRightCorner<2, 2>().diagonal().setConstant(0.5 * params_.speed_error_max_mps *
+                                                               params_.speed_error_max_mps);
 }
 
 LaserOdometry::Estimate LaserOdometry::predict(double period_s) const {

@@ -36,7 +36,7 @@ struct LaserOdometryParams {
   double speed_walk_sd_mps = 0.5;
   double speed_error_max_mps = 0.4;
   double poor_share = 0.55;
-  int settled_scans = 3;
+  int poor_scans = 3;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -54,11 +54,12 @@ struct LaserOdometryParams {
                 "How far the speed is expected to change within 1 s, as a random walk.");
     visit.value("speed_error_max_mps", self.speed_error_max_mps, Range{0.01, 100.0},
                 "Most that the speed is taken to be in doubt, however long nothing held it.");
-    visit.value("poor_share", self.poor_share, Range{0.0, 1.0},
-                "A match that scores less than this share of the usual is poor: the robot may have been carried.");
-    visit.value("settled_scans", self.settled_scans, Range{1, 1000},
-                "After so many scans without another poor match the local map begins anew: what was before may be "
-                "elsewhere.");
+    visit.value(
+        "poor_share", self.poor_share, Range{0.0, 1.0},
+        "A match that scores less than this share of the usual is poor: the robot may have been carried, and the local "
+        "map begins anew.");
+    visit.value("poor_scans", self.poor_scans, Range{1, 1000},
+                "After so many poor matches in a row the local map begins anew; until then the speed is kept.");
     visit.value("period_min_s", self.period_min_s, Range{0.001, 10.0},
                 "Stamps nearer than this are taken to be this far apart.");
   }
@@ -100,6 +101,8 @@ class LaserOdometry {
   void judge(const Result<MatchResult>& match, const Pose2& odom_T_key, double period_s, Motion& motion);
   /// Whether the local map shall begin anew with this scan.
   [[nodiscard]] bool begins_anew(const Motion& motion);
+  /// The speed may be any.
+  void forget_speed();
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
   /// Of the key scans, seen from the newest.
   void rebuild_reference();
@@ -120,9 +123,9 @@ class LaserOdometry {
   double time_sd_s_ = 0.0;
   Pose2 odom_T_scan_{};
   double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;
+  int poor_in_a_row_ = 0;
   double stale_s_ = 0.0;  ///< for which the laser has repeated a scan
   UsualLevel usual_score_;
-  int unsettled_scans_ = 0;
   ErrorProcess::Matrix covariance_ = ErrorProcess::Matrix::Zero();  ///< of the error of odom_T_scan_ and the speed
 };
 

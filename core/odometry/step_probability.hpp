@@ -17,8 +17,8 @@ struct StepSigns {
 ///
 /// Two things speak. How far the robot may have gone meanwhile, against how far a local map reaches: beyond it nothing
 /// that the search finds is right. And the match's score: right ones score about as usual, wrong ones about half of it.
-/// Measured in simulated buildings by matching scans after gaps of 0.5 to 12 s, 1700 matches
-/// (tests/core/odometry/step_probability_test.cpp).
+/// The constants are of 1700 matches in simulated buildings, after gaps of 0.5 to 12 s; `tools/campaign` says how well
+/// they hold.
 [[nodiscard]] double step_probability(const RobotLimits& limits, const StepSigns& signs);
 
 }  // namespace odoless

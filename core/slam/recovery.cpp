@@ -128,9 +128,11 @@ Fit Recovery::fit_of(Lslam& low, const Pose2& update_T_scan) const {
     return fit_.in_full(low.map(particle), low.geometry(), low.pose(particle) * update_T_scan);
   };
   Fit best = with(low.best());
-  for (int particle = 0; particle < low.particles() && best.mean < params_.tracking.fit_min; ++particle) {
-    const Fit fit = with(particle);
-    best = fit.mean > best.mean ? fit : best;
+  if (best.mean < params_.tracking.fit_min) {
+    for (int particle = 0; particle < low.particles(); ++particle) {
+      const Fit fit = with(particle);
+      best = fit.mean > best.mean ? fit : best;
+    }
   }
   return best;
 }

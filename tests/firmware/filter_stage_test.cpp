@@ -97,7 +97,7 @@ TEST_P(FilterStageWithLostScans, ComposedMotionsAreWhatTheirPartsAre) {
     ASSERT_NEAR(apart[i].fit, added_up[i].fit, 1e-6) << i;
     doubted = doubted || apart[i].tracking != Tracking::kSure;
   }
-  EXPECT_EQ(doubted, flag == kRejected || flag == kMatched) << "what befell a lost scan counts";
+  EXPECT_EQ(doubted, flag == kJolted) << "what befell a lost scan counts";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, FilterStageWithLostScans,

@@ -16,7 +16,12 @@ constexpr std::int64_t kPeriod_ns = 25'000'000;
 class SensorStageTest : public ::testing::Test {
  protected:
   [[nodiscard]] ScanVerdict give(std::int64_t stamp_ns, std::int64_t age_ns = 0) {
-    ranges_m_[0] = 1.0F + 0.001F * static_cast<float>(++given_ % 100);  // a live laser's noise
+    ++given_;
+    for (std::size_t i = 0; i < ranges_m_.size(); ++i) {  // a live laser's noise; the first beam always has a return
+      if (i == 0 || ranges_m_[i] > 0.0F) {
+        ranges_m_[i] = 1.0F + 0.001F * static_cast<float>((7 * given_ + 13 * static_cast<int>(i)) % 100);
+      }
+    }
     return give_same(stamp_ns, age_ns);
   }
   [[nodiscard]] ScanVerdict give_same(std::int64_t stamp_ns, std::int64_t age_ns = 0) {

@@ -56,7 +56,7 @@ class Drive {
   Pose2 map_T_start_;
   Pose2 map_T_scan_;
   std::int64_t stamp_ns_ = 1'000'000'000;
-  LaserOdometry odometry_{{}, {}, {}};
+  LaserOdometry odometry_{{}, {}, {}, {}};
   Rng rng_{1};
   Motion last_;
 };
@@ -142,7 +142,7 @@ TEST(LaserOdometry, BlindScanLeavesThePredictionAndItsUncertainty) {
 }
 
 TEST(LaserOdometry, BlindStartIsOverWithTheFirstScanThatSees) {
-  LaserOdometry odometry({}, {}, {});
+  LaserOdometry odometry({}, {}, {}, {});
   Rng rng(2);
   for (int i = 0; i < 10; ++i) {
     const Pose2 map_T_scan{0.05 * i, 0.0, 0.0};
@@ -287,7 +287,7 @@ TEST(LaserOdometry, MakesItsLocalMapWhileThereIsTimeToMakeUpForIt) {
   LaserOdometryParams params;
   params.key_distance_m = 0.0;                 // each scan is a key scan,
   params.local_map.fine = {0.01, 30.0, 0.05};  // and a local map takes much longer to make than a match
-  LaserOdometry odometry(params, {}, {});
+  LaserOdometry odometry(params, {}, {}, {});
   SimulatedRoom room(1, 400);
   Rng rng(1);
   std::vector<std::int64_t> before_ns;
