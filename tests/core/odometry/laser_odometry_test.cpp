@@ -235,7 +235,8 @@ TEST(LaserOdometry, ErrorsInACorridorAreWithinTwoStatedDeviations) {
 }
 
 // Where it was carried to, nothing is as before: what the first match makes of it is neither a speed nor a place.
-TEST(LaserOdometry, CarriedIntoAnotherSceneTracksOnThereAtOnce) {
+// Until the local map begins anew nothing is there to be matched: the speed of before is kept.
+TEST(LaserOdometry, CarriedIntoAnotherSceneTracksOnThereAfterThreeScans) {
   Drive drive(cluttered_room(), {-0.8, -1.2, 0.0});
   for (int i = 0; i < 60; ++i) {
     EXPECT_FALSE(drive.step(motion_of_square(i)).has(kJolted)) << i;
@@ -244,6 +245,10 @@ TEST(LaserOdometry, CarriedIntoAnotherSceneTracksOnThereAtOnce) {
   for (int i = 61; i < 90; ++i) {  // a leg and a turn
     const Pose2 motion = motion_of_square(i);
     const Motion& step = drive.step_in(pillar_field(), motion);
+    if (i < 60 + LaserOdometryParams{}.poor_scans) {
+      EXPECT_TRUE(step.has(kJolted)) << i;
+      continue;
+    }
     ASSERT_LT(step.previous_T_current.distance_m(motion), 0.06) << i;
     ASSERT_LT(std::abs(wrap_angle(step.previous_T_current.yaw_rad - motion.yaw_rad)), 3.0 * kRadPerDeg) << i;
   }
