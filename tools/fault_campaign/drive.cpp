@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kStep_s = 0.05;
 constexpr std::uint64_t kStream = 41;
+constexpr std::uint64_t kOtherWayStream = 44;
 constexpr double kRest_s = 1.0;  // at the start, as robots do
 constexpr double kRamp_s = 2.0;  // until full speed: no robot starts with it
 
@@ -57,15 +58,15 @@ Pose2 Drive::start_T_robot(double true_s) const {
 void Drive::carry_away(const Scenario& scenario) {
   constexpr int kTries = 1000;
   Rng chance(scenario.seed, kStream);
+  Rng other(scenario.seed, kOtherWayStream);  // rather than nowhere
+  const Bounds& bounds = spec_of(scenario.fault.kind).severity;
   const Wanderer wanderer(world_);
   carried_s_ = scenario.fault.start_s;
   const Pose2 from = at(carried_s_);
   for (int tries = 0; tries < kTries; ++tries) {
     const double bearing_rad = chance.uniform(-std::numbers::pi, std::numbers::pi);
     const double yaw_rad = chance.uniform(-std::numbers::pi, std::numbers::pi);
-    const Bounds& bounds = spec_of(scenario.fault.kind).severity;
-    const double other_m = chance.uniform(bounds.min, bounds.max);
-    const double way_m = tries < kTries / 2 ? scenario.fault.severity : other_m;  // rather than nowhere
+    const double way_m = tries < kTries / 2 ? scenario.fault.severity : other.uniform(bounds.min, bounds.max);
     const Pose2 place{from.x_m + way_m * std::cos(bearing_rad), from.y_m + way_m * std::sin(bearing_rad), yaw_rad};
     if (!wanderer.can_stand(place) || !was_seen(place, scenario)) {
       continue;

@@ -246,7 +246,7 @@ nlohmann::ordered_json report_json(std::span<const GapResult> gaps) {
 
 Figure report_figure(std::span<const RunResult> runs) {
   const Tally all = tally_of(runs);
-  Series curve{"poses", Mark::kPoints, kBlue, {}};
+  Series curve{"as it is", Mark::kLine, kBlue, {}};
   for (const Calibration::Bin& bin : all.calibration.bins) {
     if (bin.poses > 0) {
       curve.points.push_back({bin.said(), bin.share_right()});
@@ -254,10 +254,11 @@ Figure report_figure(std::span<const RunResult> runs) {
   }
   std::vector<double> after_s = all.said_after_s;
   std::ranges::sort(after_s);
-  Series said{"times that the pose became wrong", Mark::kLine, kRed, {}};
+  Series said{"times that the pose became wrong", Mark::kLine, kRed, {{0.0, 0.0}}};
   for (std::size_t i = 0; i < after_s.size(); ++i) {
     said.points.push_back({after_s[i], static_cast<double>(i + 1) / static_cast<double>(after_s.size())});
   }
+  said.points.push_back({std::max(Verdict::kSilentFailure_s, said.points.back().x), said.points.back().y});
   Figure figure{.name = "campaign", .caption = "Calibration, and time to say so", .columns = 2};
   figure.panels.push_back({.title = "Calibration",
                            .x_label = "probability of being right that is said",
