@@ -151,17 +151,17 @@ void correct_order(ScanLog& log, Plausibility& out) {
 }
 
 /// Ranges that are returns by their size, at most a million of the log.
-std::vector<double> some_ranges(const ScanLog& log) {
+std::vector<double> told_returns(const ScanLog& log) {
   const std::size_t step = log.scans.size() * log.scans.front().ranges_m.size() / 1'000'000 + 1;
-  std::vector<double> ranges;
+  std::vector<double> told;
   for (std::size_t i = 0; i < log.scans.size(); i += step) {
     for (const float range_m : log.scans[i].ranges_m) {
       if (std::isfinite(range_m) && range_m > 0.0F) {
-        ranges.push_back(range_m);
+        told.push_back(range_m);
       }
     }
   }
-  return ranges;
+  return told;
 }
 
 void correct_ranges(ScanLog& log, Plausibility& out) {
@@ -170,13 +170,13 @@ void correct_ranges(ScanLog& log, Plausibility& out) {
   constexpr double kMillimetres_min = 1500.0;  // as centimetres 15 m: too much for most ranges of a scan
   constexpr double kMillimetres_max = 50'000.0;
   constexpr float kRange_m = 300.0F;
-  std::vector<double> ranges = some_ranges(log);
-  if (ranges.empty()) {
+  std::vector<double> told = told_returns(log);
+  if (told.empty()) {
     out.wrong = "no range is above 0";
     out.right = "ranges in metres";
     return;
   }
-  const double middle = median(ranges);
+  const double middle = median(told);
   if (middle >= kMedian_min_m && middle <= kMedian_max_m) {
     return;
   }
@@ -200,6 +200,7 @@ double span_rad(const LogScan& scan) {
 
 void correct_angles(ScanLog& log, Plausibility& out) {
   constexpr double kMore = 1.001;
+  constexpr double kField_min_deg = 20.0;  // of a laser
   const auto is_turn = [](const LogScan& scan, double unit) {
     return unit * span_rad(scan) <= kMore * kTurnRad && unit * std::abs(scan.start_angle_rad) <= kMore * kTurnRad;
   };
@@ -209,7 +210,7 @@ void correct_angles(ScanLog& log, Plausibility& out) {
     return;
   }
   const bool all_in_deg = std::all_of(log.scans.begin(), log.scans.end(), [&](const auto& scan) {
-    return is_turn(scan, kDegreeRad) && span_rad(scan) > kTurnRad;
+    return is_turn(scan, kDegreeRad) && span_rad(scan) > kField_min_deg;
   });
   if (!all_in_deg) {
     out.wrong =
@@ -243,6 +244,12 @@ void check_step(ScanLog& log, Plausibility& out) {
 
 Plausibility make_plausible(ScanLog& log) {
   Plausibility out;
+  if (log.stamp_digits < 9) {
+    const char* const unit = log.stamp_digits == 6   ? "milliseconds"
+                             : log.stamp_digits == 3 ? "microseconds"
+                                                     : "nanoseconds";
+    out.corrected.push_back(fmt::format("the stamps are in {}: in seconds they would be beyond 292 years", unit));
+  }
   const std::array<void (*)(ScanLog&, Plausibility&), 3> kAlways{correct_angles, correct_ranges, check_step};
   for (const auto check : kAlways) {
     if (out.is_plausible()) {

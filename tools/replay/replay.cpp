@@ -8,6 +8,7 @@
 #include "firmware/stages/stage_chain.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
+#include "tools/log/log_times.hpp"
 #include "tools/replay/summary.hpp"
 
 namespace odoless {
@@ -64,8 +65,10 @@ class Recorder {
 
   [[nodiscard]] ReplayResult& result() { return result_; }
 
-  void add(int index, const ChainStep& step) {
+  /// @param time_ns  When the scan was taken, as estimated.
+  void add(int index, const ChainStep& step, std::int64_t time_ns) {
     count(step.filter);
+    count_gap(time_ns);
     result_.scan_cpu_us.push_back(static_cast<double>(step.matcher_cpu_ns + step.filter_cpu_ns) * 1e-3);
     result_.filter_updates += step.filter.updated ? 1 : 0;
     updates_.push_back(result_.filter_updates - 1);
@@ -87,6 +90,8 @@ class Recorder {
   }
 
  private:
+  static constexpr double kWeight_clear = 0.9;
+
   void add_match(int index, const ChainStep& step) {
     MatchRow row = row_of(log_, last_index_, index);
     row.reference_T_scan = step.motion.previous_T_current;
@@ -94,6 +99,7 @@ class Recorder {
     result_.matches.push_back(row);
     result_.poor_matches += step.motion.has(kConverged) ? 0 : 1;
     result_.retried_matches += step.motion.has(kEscalated) ? 1 : 0;
+    result_.ambiguous_matches += step.motion.weight() < kWeight_clear ? 1 : 0;
   }
 
   void count(const FilterStep& step) {
@@ -101,7 +107,15 @@ class Recorder {
     result_.lost_scans += lost ? 1 : 0;
     result_.doubtful_scans += step.tracking == Tracking::kDoubtful ? 1 : 0;
     result_.relocalisations += step.found ? 1 : 0;
+    result_.outside_scans += step.report.outside_tiles > 0 ? 1 : 0;
     result_.least_fit = lost ? result_.least_fit : std::min(result_.least_fit, step.fit);
+  }
+
+  void count_gap(std::int64_t time_ns) {
+    constexpr double kGap_s = 1.0;
+    const double since_s = to_s(time_ns - last_time_ns_);
+    result_.missing_s += !steps_.empty() && since_s > kGap_s ? since_s : 0.0;
+    last_time_ns_ = time_ns;
   }
 
   // Each scan hangs on the filter update before it; the best particle's final path says where that update was.
@@ -121,6 +135,7 @@ class Recorder {
   std::vector<FilterStep> steps_;
   std::vector<int> updates_;  ///< filter update that each scan hangs on
   int last_index_ = 0;
+  std::int64_t last_time_ns_ = 0;
 };
 
 }  // namespace
@@ -137,7 +152,7 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
       refuse(raw, params.scan, used[i]);
     }
     if (step.verdict == ScanVerdict::kAccepted) {
-      recorder.add(used[i], step);
+      recorder.add(used[i], step, chain.frame().time_ns());
     }
     if ((i + 1) * 10 / used.size() > i * 10 / used.size()) {
       recorder.result().rss_bytes_by_tenth.push_back(ResourceMeter::rss_bytes());
@@ -153,6 +168,7 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
 std::vector<MatchRow> match_pairs(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
                                   const ReplayProgress& progress) {
   const std::vector<int> used = used_scans(log, options.every);
+  const LogTimes times = times_of(log, options.every);
   NdtMatcher matcher(params.matcher);
   MatchReference reference(params.matcher.reference, params.matcher.points_max);
   ScanFrame previous(params.scan);
@@ -166,7 +182,8 @@ std::vector<MatchRow> match_pairs(const ScanLog& log, const RobotParams& params,
     const std::int64_t start_ns = thread_cpu_ns();
     const PlacedScan placed{&previous, {}};
     static_cast<void>(reference.rebuild({&placed, 1}));
-    const double period_s = log.has_stamps ? row.stamp_s - row.reference_stamp_s : 0.0;
+    const double estimated_s = to_s(times.times[i].time_ns - times.times[i - 1].time_ns);
+    const double period_s = log.has_stamps ? std::max(row.stamp_s - row.reference_stamp_s, estimated_s) : 0.0;
     const Expectation expected = expect_rest(params.limits, period_s);
     const Result<MatchResult> match = matcher.match(reference, current, expected, {}, rng);
     const std::int64_t cpu_ns = thread_cpu_ns() - start_ns;

@@ -31,6 +31,9 @@ struct ReplayResult {
   OccupancyMap map;
   int poor_matches = 0;  ///< not converged
   int retried_matches = 0;
+  int ambiguous_matches = 0;  ///< with another answer that is at least a tenth as likely
+  int outside_scans = 0;      ///< whose beams reach beyond the grid
+  double missing_s = 0.0;     ///< in gaps of more than a second between two scans
   int filter_updates = 0;
   int lost_scans = 0;                            ///< taken while the robot was lost
   int doubtful_scans = 0;                        ///< whose pose was not sure, nor lost
