@@ -21,16 +21,15 @@ StuckDetector::StuckDetector(int beams_max) {
 }
 
 void StuckDetector::add(std::span<const float> ranges_m) {
-  const std::size_t room = last_m_.capacity();
-  const std::span<const float> ranges = ranges_m.first(std::min(ranges_m.size(), room));
+  ranges_m = ranges_m.first(std::min(ranges_m.size(), last_m_.capacity()));
   changes_m_.clear();
-  const bool is_comparable = ranges.size() == last_m_.size();
-  for (std::size_t i = 0; is_comparable && i < ranges.size(); ++i) {
-    if (is_range(ranges[i]) && is_range(last_m_[i])) {
-      changes_m_.push_back(std::abs(ranges[i] - last_m_[i]));
+  const bool is_comparable = ranges_m.size() == last_m_.size();
+  for (std::size_t i = 0; is_comparable && i < ranges_m.size(); ++i) {
+    if (is_range(ranges_m[i]) && is_range(last_m_[i])) {
+      changes_m_.push_back(std::abs(ranges_m[i] - last_m_[i]));
     }
   }
-  last_m_.assign(ranges.begin(), ranges.end());
+  last_m_.assign(ranges_m.begin(), ranges_m.end());
   repeats_ = is_too_quiet_ = false;
   if (changes_m_.size() < kReturns_min) {
     return;

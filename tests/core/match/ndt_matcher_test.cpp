@@ -42,7 +42,8 @@ TEST(NdtMatcher, RecoversMotionsInTheBox) {
     const ScanPair pair = random_pair(room, {}, {}, rng);
     const MatchResult result = bench.match(pair.reference, pair.scan);
     right += agree(result.reference_T_scan, pair.reference_T_scan) ? 1 : 0;
-    EXPECT_TRUE(result.converged || !agree(result.reference_T_scan, pair.reference_T_scan) || result.peak_count > 1) << i;
+    EXPECT_TRUE(result.converged || !agree(result.reference_T_scan, pair.reference_T_scan) || result.peak_count > 1)
+        << i;
     EXPECT_GE(result.fitness, 0.0);
     EXPECT_LE(result.fitness, 1.0);
   }
