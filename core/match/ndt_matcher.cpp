@@ -53,8 +53,8 @@ MatcherParams seed_matcher_params() {
 }
 
 Expectation expect_rest(const RobotLimits& limits, double period_s) {
-  const double time_s = std::max(0.0, period_s);
-  return {Pose2{}, limits.speed_max_mps * time_s, limits.turn_rate_max_radps * time_s};
+  const double half_s = 0.5 * std::max(0.0, period_s);
+  return {Pose2{}, limits.speed_max_mps * half_s, limits.turn_rate_max_radps * half_s};
 }
 
 NdtMatcher::NdtMatcher(const MatcherParams& params)

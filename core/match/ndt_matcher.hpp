@@ -55,8 +55,8 @@ struct Expectation {
   Pose2 rest_T_scan{};   ///< where it would be at rest, reference frame: a start of the wide search
 };
 
-/// Of a pair of scans `period_s` apart about which nothing else is known: no motion, give or take what the speeds
-/// allow. A period of 0 or less, as in logs without stamps, allows all.
+/// Of a pair of scans `period_s` apart about which nothing else is known: no motion, give or take what half of the
+/// largest speeds lead to. A period of 0 or less, as in logs without stamps, allows all.
 [[nodiscard]] Expectation expect_rest(const RobotLimits& limits, double period_s);
 
 /// Matches a scan to a reference by a global search over the NDT score, with no prior but the centre of the box.

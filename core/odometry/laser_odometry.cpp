@@ -137,7 +137,7 @@ bool LaserOdometry::begins_anew(const Motion& motion) {
   const bool anew = motion.probability < kCredible || poor_in_a_row_ >= params_.poor_scans;
   if (anew) {
     poor_in_a_row_ = 0;
-    usual_score_ = UsualLevel{};  // of another scene
+    usual_score_ = UsualLevel{kScore_memory_s};  // of another scene
   }
   return anew;
 }

@@ -81,6 +81,8 @@ class LaserOdometry {
   [[nodiscard]] Motion process(const ScanFrame& scan, const Deadline& deadline, Rng& rng);
 
  private:
+  static constexpr double kScore_memory_s = 5.0;
+
   struct KeyScan {
     ScanFrame scan;
     Pose2 odom_T_scan;
@@ -125,7 +127,7 @@ class LaserOdometry {
   double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;
   int poor_in_a_row_ = 0;
   double stale_s_ = 0.0;  ///< for which the laser has repeated a scan
-  UsualLevel usual_score_;
+  UsualLevel usual_score_{kScore_memory_s};
   ErrorProcess::Matrix covariance_ = ErrorProcess::Matrix::Zero();  ///< of the error of odom_T_scan_ and the speed
 };
 

@@ -6,7 +6,8 @@
 namespace odoless {
 namespace {
 
-constexpr double kLeast = 1e-9;  // no state is ever impossible
+constexpr double kLeast = 1e-9;            // no state is ever impossible
+constexpr double kDrifted_evidence = 0.5;  // a drifted pose fits what was mapped since, and not what was mapped before
 
 }  // namespace
 
@@ -18,6 +19,7 @@ void PoseConfidence::find() {
 
 void PoseConfidence::contradict() {
   right_ *= std::exp(-params_.elsewhere);
+  drifted_ *= std::exp(-params_.elsewhere);
   normalise();
 }
 
@@ -44,6 +46,7 @@ void PoseConfidence::observe(double fit_share, double known_share, double span_s
   const double evidence =
       std::clamp(params_.evidence_per_fit * (fit_share - params_.neutral_fit), -params_.against_max, params_.for_max);
   right_ *= std::exp(weight * evidence);
+  drifted_ *= std::exp(kDrifted_evidence * weight * evidence);
   normalise();
 }
 

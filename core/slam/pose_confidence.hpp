@@ -53,7 +53,7 @@ class PoseConfidence {
   void reset() { *this = PoseConfidence(params_); }
   /// The robot was relocalised.
   void find();
-  /// The whole map was searched, and another pose alone fits.
+  /// The whole map was searched, and another pose alone fits: drift does not lead there.
   void contradict();
   /// Nothing of the map will confirm the pose.
   void lose_track();

@@ -6,7 +6,7 @@
 namespace odoless {
 namespace {
 
-constexpr double kSuspect = 0.02;  // probability of a jump from which on another place is looked for
+constexpr double kSuspect = 0.05;  // probability of a jump from which on another place is looked for
 constexpr double kAmbiguous =
     0.7;  // weight of a motion against its alternatives below which it is taken for one of them
 constexpr double kKnown_min = 0.2;  // share of beams below which a fit in what is known tells little
@@ -29,7 +29,7 @@ Recovery::Recovery(const RecoveryParams& params, const ScanParams& scan, const S
 void Recovery::reset() {
   updates_ = 0;
   usual_.reset();
-  usual_fit_ = UsualLevel{};
+  usual_fit_ = UsualLevel{kFit_memory_s};
   trust();
 }
 
@@ -81,13 +81,11 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
     suspected_ = true;
     relocaliser_.begin(slam.map_T_scan(), params_.tracking.usual_share * usual_fit_.value());
   }
-  if (updates_ < params_.tracking.updates_min) {
-    return Advice::kGoOn;
-  }
   if (suspected_) {
     verify(slam, tracked);
   }
-  if (confidence_.jumped() >= params_.tracking.lost_probability) {
+  const bool can_be_lost = updates_ >= params_.tracking.updates_min;
+  if (can_be_lost && confidence_.jumped() >= params_.tracking.lost_probability) {
     lose();
   }
   return may_be_mapped() ? Advice::kGoOn : Advice::kHold;
@@ -118,8 +116,8 @@ void Recovery::lose() {
 }
 
 bool Recovery::may_be_mapped() const {
-  return !lost_ && last_fit_.mean >= params_.tracking.fit_min &&
-         1.0 - confidence_.jumped() >= params_.tracking.map_probability;
+  const double wrong = suspected_ ? 1.0 - confidence_.right() : confidence_.jumped();
+  return !lost_ && last_fit_.mean >= params_.tracking.fit_min && 1.0 - wrong >= params_.tracking.map_probability;
 }
 
 // At a loop the best particle may be wrong and another right: that is for the filter to decide, which needs the scan.

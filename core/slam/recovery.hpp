@@ -63,6 +63,8 @@ class Recovery {
   }
 
  private:
+  static constexpr double kFit_memory_s = 60.0;  ///< longer than a wrong pose may take to show
+
   [[nodiscard]] Advice diagnose(Slam& slam, const TrackedScan& tracked);
   /// In the best particle's map; in that which it fits best where it does not fit.
   [[nodiscard]] Fit fit_of(Lslam& low, const Pose2& update_T_scan) const;
@@ -78,7 +80,7 @@ class Recovery {
   RecoveryParams params_;
   PoseConfidence confidence_;
   UsualMotion usual_;
-  UsualLevel usual_fit_;
+  UsualLevel usual_fit_{kFit_memory_s};
   ScanSpan span_;
   ScanFit fit_;
   Relocaliser relocaliser_;

@@ -12,7 +12,7 @@
 namespace odoless {
 
 /// Why a scan is not taken in.
-enum class ScanVerdict { kAccepted, kMalformed, kDuplicate, kOutOfOrder, kLate };
+enum class ScanVerdict { kAccepted, kMalformed, kDuplicate, kOutOfOrder, kLate, kNotLevel };
 
 /// Says which scans go on to the matcher, when they were taken, and what the stream of scans is like.
 ///

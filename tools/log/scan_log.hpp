@@ -17,6 +17,7 @@ struct LogScan {
   double angle_step_rad = 0.0;
   std::int64_t beam_period_ns = 0;                             ///< from beam to beam; 0: unknown
   float no_return_m = std::numeric_limits<float>::infinity();  ///< this range or more is no return
+  bool is_level = true;                                        ///< false: 2D SLAM is not given it
   std::vector<float> ranges_m;                                 ///< as recorded: also 0, inf and NaN
 
   /// A view, valid while this scan lives unchanged.

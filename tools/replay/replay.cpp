@@ -146,8 +146,9 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
   StageChain chain(params, options.seed, false);
   Recorder recorder(log);
   for (std::size_t i = 0; i < used.size(); ++i) {
-    const RawScan raw = log.scans[static_cast<std::size_t>(used[i])].raw();
-    const ChainStep step = chain.process(raw, raw.stamp_ns);
+    const LogScan& scan = log.scans[static_cast<std::size_t>(used[i])];
+    const RawScan raw = scan.raw();
+    const ChainStep step = chain.process(raw, raw.stamp_ns, scan.is_level);
     if (step.verdict == ScanVerdict::kMalformed) {
       refuse(raw, params.scan, used[i]);
     }

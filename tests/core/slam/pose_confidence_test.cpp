@@ -23,11 +23,13 @@ TEST(PoseConfidence, StaysCertainWhileScansFit) {
   EXPECT_GT(confidence.right(), 0.99);
 }
 
-TEST(PoseConfidence, TakesContradictedTrackingForDriftAndNotForAJump) {
+TEST(PoseConfidence, TakesContradictedTrackingForDriftAtFirstAndForAJumpInTheLongRun) {
   PoseConfidence confidence{{}};
-  scans(300, 0.3, confidence);
-  EXPECT_LT(confidence.right(), 0.05);
+  scans(18, 0.3, confidence);
+  EXPECT_LT(confidence.right(), 0.5);
   EXPECT_LT(confidence.jumped(), 0.2);
+  scans(300, 0.3, confidence);
+  EXPECT_GT(confidence.jumped(), 0.8);
 }
 
 TEST(PoseConfidence, TakesContradictionAfterAnIncredibleStepForAJumpWithinTwoSeconds) {
@@ -67,6 +69,11 @@ TEST(PoseConfidence, CountsScansByTheirTime) {
 }
 
 TEST(PoseConfidence, AnotherPlaceThatAloneFitsSpeaksAgainstIt) {
+  PoseConfidence drifting{{}};
+  drifting.lose_track();
+  drifting.move(0.8, 0.0, 0.0);
+  drifting.contradict();
+  EXPECT_GT(drifting.jumped(), 0.8) << "drift does not lead to another place";
   PoseConfidence confidence{{}};
   confidence.move(0.8, 0.0, 0.0);
   confidence.contradict();
