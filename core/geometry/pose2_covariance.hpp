@@ -48,4 +48,15 @@ namespace odoless {
   return lever * covariance_ab * lever.transpose() + turned(covariance_bc, a_T_b.yaw_rad);
 }
 
+/// Probability that an error of such a covariance is within so far and such an angle. Along the axis of the largest
+/// deviation alone: the others are mostly much smaller.
+[[nodiscard]] inline double probability_within(const Eigen::Matrix3d& covariance, double distance_m, double angle_rad) {
+  const double middle_m2 = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double half_m2 = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+  const auto inside = [](double bound, double variance) {
+    return variance > 0.0 ? std::erf(bound / std::sqrt(2.0 * variance)) : 1.0;
+  };
+  return inside(distance_m, middle_m2 + half_m2) * inside(angle_rad, covariance(2, 2));
+}
+
 }  // namespace odoless

@@ -7,6 +7,8 @@ namespace odoless {
 namespace {
 
 constexpr double kSame_share = 0.9;
+constexpr double kSame_share_fine = 0.6;
+constexpr float kFine_m = 0.005F;
 constexpr float kQuiet_share = 0.4F;  // of the quietest scans' change
 constexpr int kAccepted_scans = 60;   // in a row, after which so little change is what the laser's noise is
 constexpr std::size_t kReturns_min = 8;
@@ -37,7 +39,11 @@ void StuckDetector::add(std::span<const float> ranges_m) {
   const auto same = static_cast<double>(std::count(changes_m_.begin(), changes_m_.end(), 0.0F));
   const auto middle = changes_m_.begin() + static_cast<std::ptrdiff_t>(changes_m_.size() / 2);
   std::nth_element(changes_m_.begin(), middle, changes_m_.end());
-  repeats_ = same >= kSame_share * static_cast<double>(changes_m_.size());
+  for (const float change_m : changes_m_) {
+    finest_m_ = change_m > 0.0F ? std::min(finest_m_, change_m) : finest_m_;
+  }
+  const double same_share = finest_m_ <= kFine_m ? kSame_share_fine : kSame_share;
+  repeats_ = same >= same_share * static_cast<double>(changes_m_.size());
   is_too_quiet_ = is_unlike_its_noise(*middle);
 }
 

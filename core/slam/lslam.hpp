@@ -37,9 +37,12 @@ struct UpdateReport {
 
 /// The particles' opinion in one Gaussian.
 struct PoseEstimate {
+  static constexpr double kOk_m = 0.5;  ///< what OK promises
+  static constexpr double kOk_rad = 0.0873;
+
   Pose2 map_T_scan;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< over (x_m, y_m, yaw_rad), map axes
-  double agreement = 1.0;  ///< weight of the particles that are within 0.5 m and 5 deg of it
+  double agreement = 1.0;  ///< weight of the particles that are as near to it as OK promises
 };
 
 /// Low-level DP-SLAM: a particle filter over poses and maps [eliazar2003dpslam, eliazar2004dpslam2].

@@ -1,16 +1,8 @@
 #include <cmath>
-#include <numbers>
 
 #include "core/slam/lslam.hpp"
 
 namespace odoless {
-namespace {
-
-constexpr double kOk_m = 0.5;  // what OK promises
-constexpr double kOk_rad = 5.0 * std::numbers::pi / 180.0;
-
-}  // namespace
-
 PoseEstimate Lslam::estimate() const {
   double x_m = 0.0;
   double y_m = 0.0;
@@ -27,7 +19,8 @@ PoseEstimate Lslam::estimate() const {
     const Pose2& p = pose(i);
     const Eigen::Vector3d error{p.x_m - x_m, p.y_m - y_m, wrap_angle(p.yaw_rad - estimate.map_T_scan.yaw_rad)};
     estimate.covariance += weight(i) * error * error.transpose();
-    const bool is_near = std::hypot(error.x(), error.y()) <= kOk_m && std::abs(error.z()) <= kOk_rad;
+    const bool is_near =
+        std::hypot(error.x(), error.y()) <= PoseEstimate::kOk_m && std::abs(error.z()) <= PoseEstimate::kOk_rad;
     estimate.agreement += is_near ? weight(i) : 0.0;
   }
   return estimate;

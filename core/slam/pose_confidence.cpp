@@ -6,8 +6,7 @@
 namespace odoless {
 namespace {
 
-constexpr double kLeast = 1e-9;            // no state is ever impossible
-constexpr double kDrifted_evidence = 0.5;  // a drifted pose fits what was mapped since, and not what was mapped before
+constexpr double kLeast = 1e-9;  // no state is ever impossible
 
 }  // namespace
 
@@ -15,6 +14,11 @@ void PoseConfidence::find() {
   right_ = params_.found_probability;
   drifted_ = 0.0;
   jumped_ = 1.0 - right_;
+}
+
+void PoseConfidence::confirm() {
+  right_ *= std::exp(params_.nowhere_else);
+  normalise();
 }
 
 void PoseConfidence::contradict() {
@@ -41,12 +45,20 @@ void PoseConfidence::move(double step_probability, double travel_m, double perio
   normalise();
 }
 
-void PoseConfidence::observe(double fit_share, double known_share, double span_s) {
-  const double weight = known_share * std::min(1.0, span_s / params_.evidence_period_s);
-  const double evidence =
-      std::clamp(params_.evidence_per_fit * (fit_share - params_.neutral_fit), -params_.against_max, params_.for_max);
+void PoseConfidence::slip(double within) {
+  drifted_ += (1.0 - within) * right_;
+  right_ *= within;
+  normalise();
+}
+
+void PoseConfidence::observe(double fit_share, double known_share, double span_s, double seen_anew) {
+  const double against = std::max(-params_.against_max, params_.evidence_per_fit * (fit_share - params_.against_fit));
+  const double in_favour = std::min(params_.for_max, params_.evidence_per_fit * (fit_share - params_.for_fit));
+  const double evidence = std::min(0.0, against) + std::max(0.0, in_favour);
+  // That a scan fits to one corner does not grow more telling by looking at the corner longer.
+  const double counts = evidence > 0.0 ? seen_anew : std::min(1.0, span_s / params_.evidence_period_s);
+  const double weight = known_share * counts;
   right_ *= std::exp(weight * evidence);
-  drifted_ *= std::exp(kDrifted_evidence * weight * evidence);
   normalise();
 }
 

@@ -8,11 +8,13 @@ namespace odoless {
 struct ConfidenceParams {
   double drift_per_m = 1e-3;
   double mend_per_s = 0.005;
-  double neutral_fit = 0.75;
+  double against_fit = 0.75;
+  double for_fit = 0.85;
   double evidence_per_fit = 5.0;
   double for_max = 0.25;
   double against_max = 1.0;
   double elsewhere = 3.0;
+  double nowhere_else = 1.0;
   double evidence_period_s = 0.2;
   double found_probability = 0.5;
 
@@ -22,16 +24,19 @@ struct ConfidenceParams {
                 "Probability, per metre travelled, that the error grows beyond what OK allows.");
     visit.value("mend_per_s", self.mend_per_s, Range{0.0, 10.0},
                 "Rate at which the filter mends a pose that drifted, once it sees the place again.");
-    visit.value(
-        "neutral_fit", self.neutral_fit, Range{0.0, 1.0},
-        "Fit of a scan to the map, as a share of the usual fit, that a right and a wrong pose have alike often.");
+    visit.value("against_fit", self.against_fit, Range{0.0, 1.0},
+                "Fit of a scan to the map, as a share of the usual fit, below which it speaks against the pose.");
+    visit.value("for_fit", self.for_fit, Range{0.0, 1.0}, "The same above which it speaks for the pose.");
     visit.value("evidence_per_fit", self.evidence_per_fit, Range{0.0, 100.0},
-                "Logarithm of the odds that one more unit of that share adds.");
+                "Logarithm of the odds that one more unit of that share adds, or takes.");
     visit.value("for_max", self.for_max, Range{0.0, 10.0},
                 "Most that one scan speaks for the pose: successive scans say much the same.");
     visit.value("against_max", self.against_max, Range{0.0, 10.0}, "Most that one scan speaks against the pose.");
     visit.value("elsewhere", self.elsewhere, Range{0.0, 20.0},
                 "How much speaks against the pose that a search of the map found another one, which alone fits.");
+    visit.value(
+        "nowhere_else", self.nowhere_else, Range{0.0, 20.0},
+        "How much speaks for the pose that a search of the map found no other: the map may lack the right place.");
     visit.value("evidence_period_s", self.evidence_period_s, Range{0.001, 10.0},
                 "Scans that follow each other faster count less, by their share of this time.");
     visit.value("found_probability", self.found_probability, Range{0.01, 0.99},
@@ -53,17 +58,23 @@ class PoseConfidence {
   void reset() { *this = PoseConfidence(params_); }
   /// The robot was relocalised.
   void find();
-  /// The whole map was searched, and another pose alone fits: drift does not lead there.
+  /// The whole map was searched, and no other pose fits.
+  void confirm();
+  /// The whole map was searched, and another pose alone fits.
   void contradict();
   /// Nothing of the map will confirm the pose.
   void lose_track();
 
   /// @param step_probability  That the motion since the last scan is right within what OK allows.
   void move(double step_probability, double travel_m, double period_s);
+  /// The motion up to here was only known so well: that it is within what OK allows has this probability.
+  void slip(double within);
   /// @param fit_share    Fit of the scan in what the map knows, over the usual one.
   /// @param known_share  Share of the scan's beams that the map says anything of.
   /// @param span_s       Time that the scan stands for.
-  void observe(double fit_share, double known_share, double span_s);
+  /// @param seen_anew    Share of what the scan shows that the ones before did not: 0 where the robot stands, 1 at
+  /// most.
+  void observe(double fit_share, double known_share, double span_s, double seen_anew);
 
   /// Probabilities; with that of a drifted pose they sum to 1.
   [[nodiscard]] double right() const { return right_; }

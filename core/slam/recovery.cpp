@@ -1,6 +1,7 @@
 #include "core/slam/recovery.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace odoless {
@@ -10,6 +11,15 @@ constexpr double kSuspect = 0.05;  // probability of a jump from which on anothe
 constexpr double kAmbiguous =
     0.7;  // weight of a motion against its alternatives below which it is taken for one of them
 constexpr double kKnown_min = 0.2;  // share of beams below which a fit in what is known tells little
+
+/// Share of a scan that is new after such a motion.
+double seen_anew(const Motion& motion, double span_s) {
+  constexpr double kTravel_m = 0.3;
+  constexpr double kTurn_rad = 0.3;
+  constexpr double kStanding_s = 2.0;
+  const Pose2& step = motion.previous_T_current;
+  return std::min(1.0, step.distance_m({}) / kTravel_m + std::abs(step.yaw_rad) / kTurn_rad + span_s / kStanding_s);
+}
 
 /// Matched in the narrow search, or then in the wide one.
 bool is_accepted(const Motion& motion) { return motion.matched() && !motion.has(kRejected); }
@@ -37,6 +47,11 @@ void Recovery::trust() {
   confidence_.reset();
   last_fit_ = Fit{};
   lost_ = unconfirmed_ = suspected_ = settled_ = false;
+}
+
+void Recovery::note_update(double within) {
+  ++updates_;
+  confidence_.slip(within);
 }
 
 Tracking Recovery::state(double agreement) const {
@@ -72,7 +87,8 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
     const Motion& motion = tracked.motion;
     confidence_.move(motion.probability, motion.previous_T_current.distance_m({}), motion.duration_s());
     const double usual = usual_fit_.value();
-    confidence_.observe(usual > 0.0 ? last_fit_.in_known / usual : 1.0, last_fit_.known_share, span_s);
+    confidence_.observe(usual > 0.0 ? last_fit_.in_known / usual : 1.0, last_fit_.known_share, span_s,
+                        seen_anew(motion, span_s));
   }
   if (state() == Tracking::kSure && last_fit_.known_share > kKnown_min) {
     usual_fit_.add(last_fit_.in_known, span_s);
@@ -105,7 +121,7 @@ void Recovery::verify(Slam& slam, const TrackedScan& tracked) {
     confidence_.contradict();
   } else {
     suspected_ = false;
-    confidence_.reset();
+    confidence_.confirm();
   }
 }
 
@@ -116,8 +132,8 @@ void Recovery::lose() {
 }
 
 bool Recovery::may_be_mapped() const {
-  const double wrong = suspected_ ? 1.0 - confidence_.right() : confidence_.jumped();
-  return !lost_ && last_fit_.mean >= params_.tracking.fit_min && 1.0 - wrong >= params_.tracking.map_probability;
+  return !lost_ && last_fit_.mean >= params_.tracking.fit_min &&
+         1.0 - confidence_.jumped() >= params_.tracking.map_probability;
 }
 
 // At a loop the best particle may be wrong and another right: that is for the filter to decide, which needs the scan.

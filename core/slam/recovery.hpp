@@ -46,8 +46,8 @@ class Recovery {
   void reset();
   /// The pose is known: somebody said where the robot is.
   void trust();
-  /// The filter was updated.
-  void note_update() { ++updates_; }
+  /// The filter was updated, with a motion that is within what OK allows with this probability.
+  void note_update(double within);
   /// Every scan after the first, before the filter takes it.
   [[nodiscard]] Advice process(Slam& slam, const TrackedScan& tracked);
 

@@ -8,6 +8,7 @@ namespace {
 constexpr int kClimb_steps = 40;  // from scan to scan, after the odometry's motion
 constexpr int kReturns_min = 30;
 constexpr int kTrial_scans_min = 5;
+constexpr double kRival_known = 0.5;  // share of beams that the map says anything of, for a pose to be a rival
 
 /// The map that the filter would write, whichever level's it is.
 class SlamSquares final : public MapSquares {
@@ -77,10 +78,10 @@ std::size_t Relocaliser::memory_bytes() const {
 void Relocaliser::start_trial(const std::optional<Pose2>& believed_map_T_scan) {
   trial_count_ = 0;
   if (believed_map_T_scan) {
-    trial_[trial_count_++] = {*believed_map_T_scan, 0.0};
+    trial_[trial_count_++] = {*believed_map_T_scan};
   }
   for (const ScoredPoint& found : search_.found()) {
-    trial_[trial_count_++] = {to_pose(found.point) * searched_T_scan_, 0.0};
+    trial_[trial_count_++] = {to_pose(found.point) * searched_T_scan_};
   }
   trial_scans_ = 0;
   trial_s_ = 0.0;
@@ -91,7 +92,10 @@ void Relocaliser::try_scan(Slam& slam, const ScanFrame& scan) {
   static_cast<void>(fit_.load(scan));
   for (Candidate& candidate : candidates_on_trial()) {
     candidate.map_T_scan = to_pose(search_.climb(points_, to_search_point(candidate.map_T_scan), kClimb_steps).point);
-    candidate.fit_sum += fit_.of(slam.map_view(), slam.map_geometry(), candidate.map_T_scan);
+    const Fit fit = fit_.in_full(slam.map_view(), slam.map_geometry(), candidate.map_T_scan);
+    candidate.fit_sum += fit.mean;
+    candidate.known_sum += fit.known_share;
+    candidate.in_known_sum += fit.in_known;
   }
   ++trial_scans_;
   drop_doubles();
@@ -113,12 +117,22 @@ void Relocaliser::drop_doubles() {
   trial_count_ = kept;
 }
 
+// A place of which the map lacks a part is one, too, where what it has fits.
+bool Relocaliser::has_rival() const {
+  const Candidate& best = trial_.front();
+  return std::any_of(trial_.begin() + 1, trial_.begin() + static_cast<std::ptrdiff_t>(trial_count_),
+                     [&](const Candidate& other) {
+                       return other.known_sum > kRival_known * trial_scans_ &&
+                              other.in_known_sum > params_.rival_ratio * best.in_known_sum;
+                     });
+}
+
 std::optional<Pose2> Relocaliser::verdict() {
   if (trial_scans_ < kTrial_scans_min || trial_s_ < params_.found_after_s) {
     return std::nullopt;
   }
   const Candidate best = trial_.front();
-  const bool has_rival = trial_count_ > 1 && trial_[1].fit_sum > params_.rival_ratio * best.fit_sum;
+  const bool has_rival = this->has_rival();
   const bool fits = best.fit_sum >= fit_min_ * trial_scans_;
   if (fits && has_rival && trial_s_ < params_.give_up_after_s) {
     return std::nullopt;  // what comes may tell them apart

@@ -41,11 +41,15 @@ class Relocaliser {
   struct Candidate {
     Pose2 map_T_scan;
     double fit_sum = 0.0;
+    double known_sum = 0.0;     ///< of the shares of beams that the map says anything of
+    double in_known_sum = 0.0;  ///< of the fits of these
   };
 
   void start_trial(const std::optional<Pose2>& believed_map_T_scan);
   void try_scan(Slam& slam, const ScanFrame& scan);
   void drop_doubles();
+  /// Whether another candidate may as well be where the robot is.
+  [[nodiscard]] bool has_rival() const;
   [[nodiscard]] std::optional<Pose2> verdict();
   [[nodiscard]] std::span<Candidate> candidates_on_trial() { return std::span(trial_).first(trial_count_); }
 

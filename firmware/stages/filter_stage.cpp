@@ -3,7 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/pose2_covariance.hpp"
+
 namespace odoless {
+namespace {
+
+double within_ok(const Motion& motion) {
+  return probability_within(motion.covariance(), PoseEstimate::kOk_m, PoseEstimate::kOk_rad);
+}
+
+}  // namespace
+
 FilterStage::FilterStage(const RobotParams& params, std::uint64_t seed)
     : gate_(params.gate), filter_(params.slam, params.scan, seed), recovery_(params.recovery, params.scan, filter_) {}
 
@@ -68,7 +78,7 @@ void FilterStage::update(const ScanFrame& scan, const Deadline& deadline, Filter
     since_update_.set_error({});
   }
   out.report = filter_.update(since_update_, scan, deadline);
-  recovery_.note_update();
+  recovery_.note_update(within_ok(since_update_));
   out.updated = true;
   started_ = true;
   update_stamp_ns_ = scan.stamp_ns();
@@ -83,7 +93,7 @@ FilterStep FilterStage::placed(FilterStep out, const Motion& motion) const {
   const PoseEstimate estimate = filter_.estimate();
   out.map_T_scan = estimate.map_T_scan * out.update_T_scan;
   out.map_T_odom = out.map_T_scan * motion.odom_T_current.inverse();
-  const double agreement = estimate.agreement * since_update_.weight();
+  const double agreement = estimate.agreement * since_update_.weight() * within_ok(since_update_);
   out.tracking = recovery_.state(agreement);
   out.probability = agreement * recovery_.probability();
   out.fit = recovery_.fit();

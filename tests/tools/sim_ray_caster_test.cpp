@@ -132,5 +132,12 @@ TEST(RayCaster, SeesWalkersWhereTheyAreAtTheTime) {
   EXPECT_TRUE(std::isinf(cast_ray_m(world, {0.0, 0.0}, {1.0, 0.0}))) << "without a time there are none";
 }
 
+TEST(RayCaster, WalkersStepAsideOfTheRobot) {
+  World world;
+  world.walkers = {{0.25, 1.0, {{0.2, -2.0}, {0.2, 2.0}}}};
+  EXPECT_NEAR(cast_ray_m(world, 2.0, {0.0, 0.0}, {1.0, 0.0}), kAside_m - 0.25, 1e-9);
+  EXPECT_NEAR(cast_ray_m(world, 2.0, {-5.0, 0.0}, {1.0, 0.0}), 4.95, 1e-9);
+}
+
 }  // namespace
 }  // namespace odoless

@@ -44,6 +44,17 @@ double ray_to_pillar(const Pillar& pillar, const Point2& origin, const Point2& d
   return ray >= 0.0 ? ray : kMiss;
 }
 
+Pillar aside(const Pillar& person, const Point2& robot) {
+  const double x_m = person.centre.x_m - robot.x_m;
+  const double y_m = person.centre.y_m - robot.y_m;
+  const double away_m = std::hypot(x_m, y_m);
+  if (away_m >= kAside_m) {
+    return person;
+  }
+  const Point2 direction = away_m > 0.0 ? Point2{x_m / away_m, y_m / away_m} : Point2{1.0, 0.0};
+  return {{robot.x_m + kAside_m * direction.x_m, robot.y_m + kAside_m * direction.y_m}, person.radius_m};
+}
+
 double cast_ray_m(const World& world, const Point2& origin, const Point2& direction) {
   double range_m = kMiss;
   for (const Segment& segment : world.segments) {
@@ -58,7 +69,7 @@ double cast_ray_m(const World& world, const Point2& origin, const Point2& direct
 double cast_ray_m(const World& world, double time_s, const Point2& origin, const Point2& direction) {
   double range_m = cast_ray_m(world, origin, direction);
   for (const Walker& walker : world.walkers) {
-    range_m = std::min(range_m, ray_to_pillar(at_time(walker, time_s), origin, direction));
+    range_m = std::min(range_m, ray_to_pillar(aside(at_time(walker, time_s), origin), origin, direction));
   }
   return range_m;
 }

@@ -9,7 +9,12 @@ namespace odoless {
 /// Walkers are not there.
 [[nodiscard]] double cast_ray_m(const World& world, const Point2& origin, const Point2& direction);
 
-/// The same with the walkers where they are at that time.
+constexpr double kAside_m = 0.7;  ///< from the robot to the middle of a person
+
+/// A person, who steps aside where the robot would run into them.
+[[nodiscard]] Pillar aside(const Pillar& person, const Point2& robot);
+
+/// The same with the walkers where they are at that time, aside of the robot at `origin`.
 [[nodiscard]] double cast_ray_m(const World& world, double time_s, const Point2& origin, const Point2& direction);
 
 }  // namespace odoless

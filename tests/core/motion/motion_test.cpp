@@ -299,5 +299,14 @@ TEST(Pose2Covariance, AdjointTakesASmallMotionToOtherAxes) {
   }
 }
 
+TEST(ProbabilityWithin, FollowsTheLargestDeviationInWhateverDirectionItIs) {
+  Eigen::Matrix3d covariance = Eigen::Vector3d(0.25, 1e-4, 1e-6).asDiagonal();
+  EXPECT_NEAR(probability_within(covariance, 0.5, 0.1), 0.6827, 1e-3) << "one deviation";
+  EXPECT_NEAR(probability_within(turned(covariance, 0.7), 0.5, 0.1), 0.6827, 1e-3);
+  covariance(2, 2) = 0.01;
+  EXPECT_NEAR(probability_within(covariance, 0.5, 0.1), 0.6827 * 0.6827, 1e-3);
+  EXPECT_EQ(probability_within(Eigen::Matrix3d::Zero(), 0.5, 0.1), 1.0);
+}
+
 }  // namespace
 }  // namespace odoless

@@ -9,9 +9,10 @@ double probability(double period_s, double score_share) {
   return step_probability({}, {.period_s = period_s, .matched = true, .score_share = score_share});
 }
 
-TEST(StepProbability, AStepBetweenScansThatFollowEachOtherIsCertainHoweverPoorlyItMatches) {
+TEST(StepProbability, AStepBetweenScansThatFollowEachOtherIsCertainOrIfItMatchesPoorlyNearlySo) {
   EXPECT_GT(probability(0.1, 1.0), 0.9999);
-  EXPECT_GT(probability(0.1, 0.1), 0.99);
+  EXPECT_GT(probability(0.1, 0.1), 0.95);
+  EXPECT_LT(probability(0.1, 0.1), 0.98) << "the robot may have been carried";
 }
 
 TEST(StepProbability, FallsWithTheTimeThatNobodyLooked) {

@@ -48,6 +48,20 @@ TEST_F(StuckDetectorTest, AScanThatComesAgainButForAFewBeamsRepeats) {
   EXPECT_FALSE(detector_.repeats());
 }
 
+TEST_F(StuckDetectorTest, ALaserOfMillimetresRepeatsAlsoWhereAThirdOfItsBeamsChange) {
+  const std::vector<float> first = scan(3.0, 0.01, 0.001);
+  detector_.add(first);
+  detector_.add(scan(3.0, 0.01, 0.001));
+  EXPECT_FALSE(detector_.repeats());
+  std::vector<float> again = first;
+  for (std::size_t i = 0; i < again.size(); i += 3) {
+    again[i] += 0.5F;
+  }
+  detector_.add(first);
+  detector_.add(again);
+  EXPECT_TRUE(detector_.repeats());
+}
+
 TEST_F(StuckDetectorTest, AScanThatComesAgainWithLessThanTheLasersNoiseIsSuspect) {
   for (int i = 0; i < 10; ++i) {
     detector_.add(scan(3.0, 0.01));

@@ -29,7 +29,7 @@ class RecoveryTest : public ::testing::Test {
       room_.step();
       EXPECT_TRUE(i == 0 || advice() == Advice::kGoOn) << i;
       static_cast<void>(slam_.update(room_.motion(), room_.scan()));
-      recovery_.note_update();
+      recovery_.note_update(1.0);
     }
     room_.step();
   }
