@@ -75,6 +75,16 @@ TEST_F(HealthMonitorTest, ALaserThatWasNeverThereIsAFaultOnlyOnceItWasTried) {
   expect(HealthState::kFault, kReasonDeviceClosed);
 }
 
+TEST_F(HealthMonitorTest, ALaserThatIsThereAndNeverSendsIsSaidAfterAWhile) {
+  sensor_.last_scan_ns = sensor_.period_ns = 0;
+  filter_.stage.scans = 0;
+  expect(HealthState::kInit, 0);
+  now_ns_ += params_.fault_after_ns;
+  expect(HealthState::kInit, 0);
+  now_ns_ += 1;
+  expect(HealthState::kInit, kReasonNoScans);
+}
+
 TEST_F(HealthMonitorTest, BlindAndStuckScansDegrade) {
   sensor_.blind = true;
   expect(HealthState::kDegraded, kReasonBlind);
