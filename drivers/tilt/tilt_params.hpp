@@ -23,6 +23,14 @@ enum class TiltCommand : std::uint8_t {
 };
 inline constexpr const char* kTiltCommandNames[] = {"level", "sweep", "stop"};
 
+/// How a servo is left when the daemon ends.
+enum class TiltEnd : std::uint8_t {
+  kHold,     ///< stopped where it is, with torque
+  kLevel,    ///< sent to the level pose, which it holds; what is left of the way it goes by itself
+  kRelease,  ///< stopped and without torque
+};
+inline constexpr const char* kTiltEndNames[] = {"hold", "level", "release"};
+
 /// Angles count from the level pose; positive tilts the laser down (REP-103: rotation about y).
 struct TiltParams {
   TiltDriver driver = TiltDriver::kNone;
@@ -30,6 +38,7 @@ struct TiltParams {
   int id = 1;
   int baud = 57'600;
   TiltCommand at_start = TiltCommand::kLevel;
+  TiltEnd at_end = TiltEnd::kHold;
   double level_angle_rad = 0.0;
   bool inverted = false;
   double limit_min_rad = -0.7853981633974483;
@@ -59,6 +68,9 @@ struct TiltParams {
     visit.value("id", self.id, Range{1, 127}, "The servo's number on its bus.");
     visit.value("baud", self.baud, Range{0, 4'500'000}, "dynamixel: rate of the serial line; 0 for one without.");
     visit.choice("at_start", self.at_start, kTiltCommandNames, "What the servo does from the start on.");
+    visit.choice("at_end", self.at_end, kTiltEndNames,
+                 "How the servo is left when the daemon ends: stopped where it is, sent to the level pose, or without "
+                 "torque (then the laser may sink). While the emergency stop is pressed, hold.");
     visit.value("level_angle_rad", self.level_angle_rad, Range{-kHalfTurnRad, kHalfTurnRad},
                 "The servo's own angle at which the laser's plane is level; dynamixel: from its centre (2048).");
     visit.flag("inverted", self.inverted, "Whether the servo's angle grows when the laser tilts up.");

@@ -34,8 +34,19 @@ enum class TiltEventType : std::uint8_t {
   kStalled,      ///< it doesn't move as it should, and was stopped
   kLost,         ///< it doesn't answer, has started anew or was taken away; the session brings it up again
   kBusError,     ///< the bus reports an error; `code` is its class
+  kDoesWithout,  ///< it refuses something without which it does as well; `code` is a TiltLack
 };
-inline constexpr std::size_t kTiltEventTypes = 6;
+inline constexpr std::size_t kTiltEventTypes = 7;
+
+/// What a servo cannot do by itself, and is used without.
+enum class TiltLack : std::uint8_t {
+  kWatchOfDaemon,      ///< notice that the daemon is dead
+  kStopWithoutDaemon,  ///< be told what to do then
+  kHoldAfterStop,      ///< keep its torque once it is stopped
+  kLimits,             ///< keep its limits
+  kHeartbeat,          ///< tell that it lives
+};
+inline constexpr std::size_t kTiltLacks = 5;
 
 /// How a servo told an error, which says what its `code` means.
 enum class TiltError : std::uint8_t {
@@ -123,6 +134,13 @@ class TiltSession {
 
   /// What to do from now on. A stop goes before all else that waits. The same command once more does nothing.
   virtual void command(TiltCommand command, std::int64_t now_ns) = 0;
+
+  /// The last: how the servo is to be left. It is no more watched for the daemon's signs of life from then on, so that
+  /// it stays so. Where it was being brought up, it is left as it is, but for its torque.
+  virtual void finish(TiltEnd end, std::int64_t now_ns) = 0;
+  /// Whether it has confirmed that, or is lost: nothing is sent any more, until a reset. Its owner is to be patient
+  /// for some 0.2 s.
+  [[nodiscard]] virtual bool is_finished() const = 0;
 
   /// Decodes; calls `sink` for every angle and event found, in order.
   virtual void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, TiltSink& sink) = 0;

@@ -8,6 +8,7 @@
 
 #include "drivers/io/serial_port.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
+#include "firmware/sources/line_end.hpp"
 
 namespace odoless {
 namespace {
@@ -40,7 +41,10 @@ EventText refusal(Errc reason) {
 }  // namespace
 
 LrfSource::LrfSource(const LrfParams& params, int beams_max, LineHandover& line)
-    : params_(params), session_(make_lrf_session(params, beams_max)), line_(line) {}
+    : params_(params),
+      is_tcp_(params.device.starts_with("tcp://")),
+      session_(make_lrf_session(params, beams_max)),
+      line_(line) {}
 
 void LrfSource::attach(GpioSignals& signals, std::optional<std::int64_t> sync_delay_ns) {
   signals_ = &signals;
@@ -75,8 +79,8 @@ void LrfSource::work(const Clock& clock, ScanSink& sink) {
     take_line(clock.now_ns());
   }
   if (is_open() && !read_all(clock)) {
-    tell_once(kLineGone, EventPriority::kWarning,
-              "laser: its line is gone (errno {}); it is opened again when it is back", errno);
+    const int error_number = errno;
+    tell_once(kLineGone, EventPriority::kWarning, laser_line_text(line_end_of(is_tcp_, error_number)), error_number);
     return_line();
   }
   if (is_open()) {
@@ -130,7 +134,9 @@ void LrfSource::write_all() {
     return;
   }
   errno = 0;  // fewer bytes: the line is full
-  if (::write(descriptor_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) {
+  const bool is_written = ::write(descriptor_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
+  const bool has_ended = errno == EPIPE || errno == ECONNRESET;  // which the next read tells
+  if (!is_written && !has_ended) {
     tell_once(kNotWritten, EventPriority::kWarning, "laser: its line does not take what is written (errno {})", errno);
   }
   sink_->on_raw(RawLine::kLaser, bytes, true);

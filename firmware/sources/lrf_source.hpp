@@ -42,7 +42,7 @@ class LrfSource final : public ScanSource, private LrfSink {
   void on_event(const LrfEvent& event) override;
   void take_line(std::int64_t now_ns);
   void return_line();
-  /// False when the line is gone.
+  /// False when the line has ended; errno then says how, 0 as by the other side.
   [[nodiscard]] bool read_all(const Clock& clock);
   void set_rate();
   void write_all();
@@ -56,6 +56,7 @@ class LrfSource final : public ScanSource, private LrfSink {
   static constexpr std::size_t kKinds = 64;                  ///< more than Errc has
 
   LrfParams params_;
+  bool is_tcp_;
   std::unique_ptr<LrfSession> session_;
   LineHandover& line_;
   int descriptor_ = -1;

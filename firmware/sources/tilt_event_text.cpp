@@ -15,7 +15,7 @@ struct CodeText {
 };
 
 /// Abort codes of CiA 301, 7.2.4.3.17; the number is the object.
-constexpr std::array<CodeText, 17> kAbortTexts{{
+constexpr std::array<CodeText, 21> kAbortTexts{{
     {0x05030000, "tilt servo: it refuses object {:06X}h: toggle bit not alternated"},
     {0x05040000, "tilt servo: it refuses object {:06X}h: timed out"},
     {0x05040001, "tilt servo: it refuses object {:06X}h: unknown command"},
@@ -25,16 +25,37 @@ constexpr std::array<CodeText, 17> kAbortTexts{{
     {0x06020000, "tilt servo: it refuses object {:06X}h: it has no such object"},
     {0x06040041, "tilt servo: it refuses object {:06X}h: what it names cannot be mapped to a PDO"},
     {0x06040042, "tilt servo: it refuses object {:06X}h: the PDO would be too long"},
+    {0x06040043, "tilt servo: it refuses object {:06X}h: it does not go with its other settings"},
+    {0x06040047, "tilt servo: it refuses object {:06X}h: it does not go with itself"},
     {0x06060000, "tilt servo: it refuses object {:06X}h: hardware error"},
     {0x06070010, "tilt servo: it refuses object {:06X}h: wrong type or length"},
     {0x06090011, "tilt servo: it refuses object {:06X}h: it has no such sub-index"},
-    {0x06090030,
-     "tilt servo: it refuses object {:06X}h: the value is out of its range (does [tilt] ask too much of it?)"},
+    {0x06090030, "tilt servo: it refuses object {:06X}h: the value is out of its range"},
+    {0x06090031, "tilt servo: it refuses object {:06X}h: the value is too high"},
+    {0x06090032, "tilt servo: it refuses object {:06X}h: the value is too low"},
     {0x08000000, "tilt servo: it refuses object {:06X}h: general error"},
     {0x08000020, "tilt servo: it refuses object {:06X}h: it cannot store it"},
     {0x08000021, "tilt servo: it refuses object {:06X}h: it is under local control"},
     {0x08000022, "tilt servo: it refuses object {:06X}h: not in its present state"},
 }};
+
+constexpr std::array<std::int64_t, 3> kRangeAborts{0x06090030, 0x06090031, 0x06090032};
+
+/// What follows from [tilt] directly; all other values are the same for every drive.
+constexpr std::array<std::uint32_t, 9> kConfiguredObjects{0x608100, 0x608300, 0x608400, 0x608500, 0x609800,
+                                                          0x609901, 0x609902, 0x609A00, 0x60FF00};
+
+constexpr EventText kOutOfRangeOfTilt =
+    "tilt servo: it refuses object {:06X}h: the value is out of its range (tilt.speed_degps, "
+    "tilt.acceleration_degps2, tilt.homing_*, tilt.counts_per_turn, tilt.speed_units_per_count: what can it do?)";
+
+constexpr std::array<EventText, kTiltLacks> kLackTexts{
+    "tilt servo: it cannot watch the daemon (it refuses 1016h): should the daemon die, it ends the move that it is at",
+    "tilt servo: it takes no quick stop for when the daemon is lost (it refuses 6007h): what it does then is of its "
+    "own settings",
+    "tilt servo: it does not hold after a stop (it refuses 605Ah): without a brake the laser may sink then",
+    "tilt servo: it keeps no limits by itself (it refuses 607Dh): only the daemon does",
+    "tilt servo: it sends no heartbeat (it refuses 1017h): its answers to SYNC alone tell that it lives"};
 
 /// Errors of a status packet, e-Manual of Protocol 2.0, 5.3; the number is the address.
 constexpr std::array<CodeText, 7> kErrorNumberTexts{{
@@ -60,9 +81,17 @@ TiltEventText refusal_text(const CodeText* known, const TiltEvent& event, EventT
              : TiltEventText{EventPriority::kError, otherwise, std::int64_t{event.object} << kCodeBits | event.code};
 }
 
+bool is_range_of_tilt(const TiltEvent& event) {
+  return std::ranges::find(kRangeAborts, event.code) != kRangeAborts.end() &&
+         std::ranges::find(kConfiguredObjects, event.object) != kConfiguredObjects.end();
+}
+
 TiltEventText error_text(const TiltEvent& event) {
   switch (event.error) {
     case TiltError::kAbort:
+      if (is_range_of_tilt(event)) {
+        return {EventPriority::kError, kOutOfRangeOfTilt, event.object};
+      }
       return refusal_text(find(kAbortTexts, event.code), event,
                           "tilt servo: it refuses an object: {:014X}h (index, sub-index, abort code)");
     case TiltError::kErrorNumber:
@@ -142,6 +171,8 @@ TiltEventText text_of(const TiltEvent& event) {
       return {EventPriority::kError, "tilt servo: stalled: it was stopped, and is tried again"};
     case TiltEventType::kLost:
       return {EventPriority::kWarning, lost_text(event.reason)};
+    case TiltEventType::kDoesWithout:
+      return {EventPriority::kNotice, kLackTexts.at(static_cast<std::size_t>(event.code))};
     case TiltEventType::kBusError:
       break;
   }

@@ -51,20 +51,30 @@ void TiltSource::obey(std::int64_t now_ns) {
   }
 }
 
+void TiltSource::end(std::int64_t now_ns) {
+  ends_ = true;
+  const bool stopped = gpio_ != nullptr && gpio_->is_stopped(now_ns);
+  session_->finish(stopped ? TiltEnd::kHold : params_.at_end, now_ns);
+}
+
 void TiltSource::work(const Clock& clock, ScanSink& sink) {
   sink_ = &sink;
   now_ns_ = clock.now_ns();
-  if (!is_open()) {
+  if (!is_open() && !ends_) {
     take_line(now_ns_);
   }
   if (is_open()) {
     bool alive = read_all(clock);
     now_ns_ = clock.now_ns();
-    obey(now_ns_);
+    if (!ends_) {
+      obey(now_ns_);
+    }
     session_->tick(now_ns_, *this);
     alive = write_all() && alive;
     if (!alive) {
-      sink.on_event(EventPriority::kWarning, "tilt servo: its line is gone; it is opened again when it is back", 0);
+      sink.on_event(EventPriority::kWarning,
+                    "tilt servo: its line was unplugged or closed at the other end; it is opened again when it is back",
+                    0);
       return_line();
     }
   }
@@ -174,8 +184,11 @@ void TiltSource::on_event(const TiltEvent& event) {
 // What goes wrong goes wrong again at each attempt, and on a bus in trouble thousands of times a second.
 bool TiltSource::is_news(const TiltEvent& event) {
   const auto type = static_cast<std::size_t>(event.type);
-  Told& told =
-      told_.at(event.error == TiltError::kNone ? type : kTiltEventTypes + static_cast<std::size_t>(event.error));
+  const std::size_t kind = event.type == TiltEventType::kDoesWithout
+                               ? kTiltEventTypes + kTiltErrors + static_cast<std::size_t>(event.code)
+                           : event.error == TiltError::kNone ? type
+                                                             : kTiltEventTypes + static_cast<std::size_t>(event.error);
+  Told& told = told_.at(kind);
   const std::int64_t pause_ns = told.event == event ? kSameEventPause_ns : kEventPause_ns;
   if (told.at_ns != 0 && now_ns_ - told.at_ns < pause_ns) {
     return false;

@@ -38,6 +38,11 @@ class TiltSource final : private TiltSink {
   /// Angles for the beams' times.
   [[nodiscard]] const TiltHistory& history() const { return history_; }
 
+  /// The last but for `work`, which is to be called until it has ended, or for 0.25 s: how the servo is to be left
+  /// (tilt.at_end); where it is while the stop line says so.
+  void end(std::int64_t now_ns);
+  [[nodiscard]] bool has_ended() const { return !is_open() || session_->is_finished(); }
+
   /// Any thread: what to do from now on; the sensor thread is to be woken.
   void request(TiltCommand command) { wanted_.store(command, std::memory_order_release); }
 
@@ -49,7 +54,7 @@ class TiltSource final : private TiltSink {
   void obey(std::int64_t now_ns);
   [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
   [[nodiscard]] bool is_level(double angle_rad) const;
-  /// False when the line is gone.
+  /// False when the line has ended.
   [[nodiscard]] bool read_all(const Clock& clock);
   [[nodiscard]] bool write_all();
   /// Of what a read or a write came to: says when the link has gone down or come up.
@@ -71,6 +76,7 @@ class TiltSource final : private TiltSink {
   std::atomic<TiltCommand> wanted_;
   const GpioSignals* gpio_ = nullptr;
   int descriptor_ = -1;
+  bool ends_ = false;
   bool is_link_down_ = false;
   bool link_told_down_ = false;
   std::int64_t now_ns_ = 0;
@@ -78,7 +84,7 @@ class TiltSource final : private TiltSink {
     TiltEvent event;
     std::int64_t at_ns = 0;  ///< 0: never
   };
-  std::array<Told, kTiltEventTypes + kTiltErrors> told_{};  ///< since it obeyed, one of each kind
+  std::array<Told, kTiltEventTypes + kTiltErrors + kTiltLacks> told_{};  ///< since it obeyed, one of each kind
   double last_angle_rad_ = 0.0;
   bool has_angle_ = false;
   bool had_angle_ = false;

@@ -31,6 +31,23 @@ void SensorLoop::run() {
   pipeline_.sensor.done.store(true, std::memory_order_release);
   pipeline_.matcher.wake.notify();
   pipeline_.filter.wake.notify();
+  if (tilt_ != nullptr) {
+    end_tilt();
+  }
+}
+
+// The others drain meanwhile.
+void SensorLoop::end_tilt() {
+  const std::int64_t end_ns = clock_.now_ns() + kTiltEnd_ns;
+  tilt_->end(clock_.now_ns());
+  tilt_->work(clock_, intake_);
+  while (!tilt_->has_ended() && clock_.now_ns() < end_ns) {
+    const std::int64_t wake_ns = std::min(tilt_->next_deadline_ns(), end_ns);
+    const timespec timeout{.tv_sec = 0, .tv_nsec = std::clamp<std::int64_t>(wake_ns - clock_.now_ns(), 0, kTiltEnd_ns)};
+    pollfd ready{.fd = tilt_->descriptor(), .events = POLLIN, .revents = 0};
+    static_cast<void>(ppoll(&ready, 1, &timeout, nullptr));
+    tilt_->work(clock_, intake_);
+  }
 }
 
 void SensorLoop::wait() {

@@ -16,11 +16,14 @@ class SensorLoop {
   /// To be called before `run`, if at all: serves the tilt servo, too.
   void attach(TiltSource& tilt) { tilt_ = &tilt; }
 
-  /// Until the pipeline stops or the source is at its end.
+  /// Until the pipeline stops or the source is at its end; then brings the servo to how it is to be left.
   void run();
 
  private:
   void wait();
+  void end_tilt();
+
+  static constexpr std::int64_t kTiltEnd_ns = 250'000'000;  ///< longest that the daemon's end waits for the servo
 
   Pipeline& pipeline_;
   ScanSource& source_;

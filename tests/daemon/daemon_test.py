@@ -261,8 +261,22 @@ class DaemonTest(DaemonCase):
         daemon.send_signal(signal.SIGTERM)
         self.assertEqual(daemon.wait(timeout=10), 0)
         log = daemon.stderr.read()
-        stalled, dead = log.find("tilt servo: stalled"), log.find("tilt servo: its line is gone")
+        stalled, dead = log.find("tilt servo: stalled"), log.find("tilt servo: its line was unplugged or closed")
         self.assertTrue(0 < stalled < dead, "first it stalled, and then it died:\n" + log)
+
+    def test_leaves_the_servo_as_configured_when_it_ends(self):
+        self.use_servo('at_start = "sweep"\nat_end = "level"\n')
+        servo = self.start("odoless", "emulate", "servo", "--dynamixel", "--pty", self.path("servo"), stdout=subprocess.PIPE)
+        self.wait_until(lambda: os.path.lexists(self.path("servo")), 10)
+        self.start_laser()
+        daemon = self.start_daemon("--enforce-realtime")
+        self.wait_until(self.servo_obeys, 10)
+        self.wait_until(lambda: self.scans()[1] > 0, 10)  # held back: it is far from level
+        self.stop_in_time(daemon)
+        time.sleep(1.5)  # it goes there by itself, at 60 deg/s
+        servo.send_signal(signal.SIGTERM)
+        said = servo.communicate(timeout=10)[0]
+        self.assertLess(abs(float(said.rsplit("axis at ", 1)[1].split()[0])), 0.3, said)
 
     def test_says_that_answers_of_the_servo_are_wrong_and_goes_on(self):
         self.use_servo()

@@ -246,7 +246,7 @@ TEST(ScanLog, KeepsNoMoreOfALogThanItMay) {
   std::string scans;
   std::string poses;
   std::string rows;
-  for (int i = 0; i < 30'000; ++i) {
+  for (int i = 0; i < 40'000; ++i) {
     scans += "FLASER 1 1 0 0 0 0 0 0 1 h 1\n";
     poses += fmt::format("{} 1 2 3\n", i);
     rows += fmt::format("{0},{0},0,{0},0,1,0.1,0,0,1,1,1\n", i);

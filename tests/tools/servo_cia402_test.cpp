@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/rng.hpp"
 #include "tests/tools/servo_support.hpp"
@@ -149,6 +150,97 @@ TEST(Cia402Session, RefusesANodeThatIsNoDrive) {
   bench.run(kServoSecond);
   EXPECT_TRUE(bench.heard().has(TiltEventType::kLost, Errc::kWrongDevice));
   EXPECT_EQ(bench.session().state(), TiltState::kBringUp);
+}
+
+/// A drive that refuses those values of an object so.
+void refuse(ServoBench& bench, canopen::Object object, std::uint32_t abort_code, std::vector<std::uint32_t> values) {
+  bench.to_servo = [&bench, object, abort_code, values = std::move(values),
+                    was = bench.to_servo](std::vector<ServoFrame>& frames) {
+    was(frames);
+    std::erase_if(frames, [&](const ServoFrame& bytes) {
+      const CanFrame frame = *to_can_frame(bytes);
+      const bool is_write = frame.id == 0x601 && (frame.data[0] & 0xE0) == 0x20;
+      const std::uint32_t value = canopen::get(frame, 4, 4 - (frame.data[0] >> 2 & 3));
+      const bool is_refused = is_write && canopen::get(frame, 1, 2) == object.index && frame.data[3] == object.sub &&
+                              (values.empty() || std::find(values.begin(), values.end(), value) != values.end());
+      if (is_refused) {
+        CanFrame answer = canopen::sdo_abort(1, object, abort_code);
+        answer.id = 0x581;
+        bench.session().receive(as_bytes(answer), bench.now_ns(), bench.heard());
+      }
+      return is_refused;
+    });
+  };
+}
+
+// As drives do that have them fixed, or know fewer values than the standard.
+TEST(Cia402Session, DoesWithoutOptionalSettingsThatADriveRefusesForWhateverReason) {
+  for (const canopen::Object object : {canopen::Object{0x1005, 0},
+                                       {0x1016, 1},
+                                       {0x1017, 0},
+                                       {0x6007, 0},
+                                       {0x605A, 0},
+                                       {0x607D, 1},
+                                       {0x607D, 2},
+                                       {0x6084, 0},
+                                       {0x6085, 0},
+                                       {0x1400, 2},
+                                       {0x1800, 5}}) {
+    for (const std::uint32_t abort_code : {0x06090030U, 0x06040043U, 0x06040047U, 0x06020000U, 0x06090011U, 0x06070010U,
+                                           0x08000000U, 0x08000020U, 0x06010002U}) {
+      SCOPED_TRACE(testing::Message() << std::hex << object.index << ": " << abort_code);
+      ServoBench bench(can_params());
+      refuse(bench, object, abort_code, {});
+      bench.reset();
+      EXPECT_GT(bench.run_until(TiltState::kLevel, 3 * kServoSecond), 0);
+      bench.run(kServoSecond);
+      EXPECT_EQ(bench.session().state(), TiltState::kLevel);
+      EXPECT_EQ(bench.heard().count(TiltEventType::kLost), 0);
+      EXPECT_EQ(bench.heard().count(TiltEventType::kDeviceError), 0);
+    }
+  }
+}
+
+TEST(Cia402Session, TellsWhatADriveCannotDoByItself) {
+  for (const auto& [object, lack] : {std::pair(canopen::Object{0x1016, 1}, TiltLack::kWatchOfDaemon),
+                                     std::pair(canopen::Object{0x6007, 0}, TiltLack::kStopWithoutDaemon),
+                                     std::pair(canopen::Object{0x605A, 0}, TiltLack::kHoldAfterStop),
+                                     std::pair(canopen::Object{0x1017, 0}, TiltLack::kHeartbeat)}) {
+    ServoBench bench(can_params());
+    refuse(bench, object, 0x06090030U, {});
+    bench.reset();
+    bench.run(kServoSecond);
+    EXPECT_EQ(bench.heard().count(TiltEventType::kDoesWithout), 1);
+    EXPECT_EQ(bench.heard().events[0].code, static_cast<std::int64_t>(lack));
+  }
+}
+
+TEST(Cia402Session, HoldsAStopTheOtherWayWhereADriveKnowsOnlyThat) {
+  ServoBench bench(can_params());
+  refuse(bench, {0x605A, 0}, 0x06090030U, {6});
+  bench.reset();
+  bench.run(kServoSecond);
+  EXPECT_EQ(bench.servo_as<Cia402Device>().dictionary().get({0x605A, 0}), 5U);
+  EXPECT_EQ(bench.heard().count(TiltEventType::kDoesWithout), 0);
+}
+
+TEST(Cia402Session, ADriveWithoutHeartbeatThatFallsSilentIsLostAllTheSame) {
+  ServoBench bench(can_params(), faults_of("silence@2:1"));
+  refuse(bench, {0x1017, 0}, 0x06010002U, {});
+  bench.reset();
+  bench.run(1900 * kServoMs);
+  ASSERT_EQ(bench.session().state(), TiltState::kLevel);
+  EXPECT_GE(bench.run_until(TiltState::kBringUp, 300 * kServoMs), 0);
+  EXPECT_GE(bench.run_until(TiltState::kLevel, 3 * kServoSecond), 0);
+}
+
+TEST(Cia402Session, AnUnansweredOptionalSettingIsAskedAgainAndNotDoneWithout) {
+  ServoBench bench(can_params());
+  refuse(bench, {0x6007, 0}, 0x05040000U, {});
+  bench.reset();
+  bench.run(kServoSecond);
+  EXPECT_EQ(bench.session().state(), TiltState::kBringUp);
+  EXPECT_TRUE(bench.heard().has(TiltEventType::kLost, Errc::kDeviceStatus));
 }
 
 TEST(Cia402Session, TellsWhatADriveRefuses) {

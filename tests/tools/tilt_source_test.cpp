@@ -41,7 +41,7 @@ class TiltBench final : public ScanSink {
                               params, fault.empty() ? std::vector<Fault>() : std::vector<Fault>{parse_fault(fault)})) {}
 
   void on_scan(const RawScan& /*scan*/) override {}
-  void on_motion(const MotionRecord& /*motion*/) override {}
+  void on_motion(const Motion& /*motion*/) override {}
   void on_raw(RawLine /*line*/, std::span<const std::byte> /*bytes*/, bool /*to_device*/) override {}
   void on_tilt(const TiltRecord& /*tilt*/) override {}
   void on_event(EventPriority /*priority*/, EventText text, std::int64_t number) override {
@@ -158,6 +158,28 @@ TEST(TiltSource, IsTakenForLevelWhileItWaitsForLeaveToFindItsZero) {
   EXPECT_FALSE(bench.source().was_level_since(bench.now_ns() - kServoSecond));
 }
 
+TEST_P(TiltSourceOfBoth, LeavesTheServoAsConfiguredAndWhereItIsWhileTheStopLineIsPressed) {
+  TiltParams sweeping = params();
+  sweeping.at_start = TiltCommand::kSweep;
+  sweeping.at_end = TiltEnd::kLevel;
+  for (const bool stopped : {false, true}) {
+    TiltBench bench(sweeping);
+    bench.run(2 * kServoSecond);
+    while (std::abs(bench.servo().angle_rad()) < 0.2) {
+      bench.run(kServoMs);
+    }
+    EXPECT_FALSE(bench.source().has_ended());
+    bench.gpio_hangs = stopped;
+    bench.run(stopped ? 200 * kServoMs : kServoMs);
+    const double angle_rad = bench.servo().angle_rad();
+    bench.source().end(bench.now_ns());
+    bench.run(200 * kServoMs);
+    EXPECT_TRUE(bench.source().has_ended());
+    bench.run(3 * kServoSecond);
+    EXPECT_NEAR(bench.servo().angle_rad(), stopped ? angle_rad : 0.0, 0.01);
+  }
+}
+
 TEST_P(TiltSourceOfBoth, SaysOnceThatTheServoDoesNotAnswerAndAgainAfterItHas) {
   TiltBench bench(params(), "silence@3:20");
   bench.run(30 * kServoSecond);
@@ -196,6 +218,32 @@ TEST(TiltEventText, TellsWhatIsRefusedAndWhy) {
   EXPECT_EQ(line_of(event), "tilt servo: it refuses an object: 60FE0112345678h (index, sub-index, abort code)");
   event = {.type = TiltEventType::kDeviceError, .error = TiltError::kErrorNumber, .code = 0x86, .object = 48};
   EXPECT_THAT(line_of(event), AllOf(HasSubstr("address 48:"), HasSubstr("limits")));
+}
+
+TEST(TiltEventText, BlamesTheConfigurationOnlyForWhatItSays) {
+  TiltEvent event{.type = TiltEventType::kDeviceError, .error = TiltError::kAbort, .code = 0x06090030};
+  event.object = 0x608100;
+  EXPECT_THAT(line_of(event), AllOf(HasSubstr("object 608100h"), HasSubstr("tilt.speed_degps")));
+  for (const std::uint32_t object : {0x605A00U, 0x600700U, 0x101601U, 0x180002U, 0x606000U}) {
+    event.object = object;
+    EXPECT_THAT(line_of(event), AllOf(HasSubstr("out of its range"), ::testing::Not(HasSubstr("tilt."))));
+  }
+}
+
+TEST(TiltSource, SaysWhatADriveCannotDoByItselfAndUsesItAllTheSame) {
+  TiltBench bench(servo_params(TiltDriver::kCia402));
+  bench.to_source = [](ServoFrame& frame) {
+    CanFrame reply = *to_can_frame(frame);
+    const std::uint32_t object = canopen::get(reply, 1, 2);
+    if (reply.id == 0x581 && (object == 0x605A || object == 0x6007 || object == 0x1016)) {
+      reply.data[0] = 0x80;
+      canopen::put(reply, 4, object == 0x1016 ? 0x06040043 : 0x06090030, 4);
+      frame = ServoFrame(as_bytes(reply).begin(), as_bytes(reply).end());
+    }
+  };
+  bench.run(3 * kServoSecond);
+  EXPECT_THAT(bench.log,
+              ElementsAre(HasSubstr("1016h"), HasSubstr("6007h"), HasSubstr("605Ah"), "tilt servo: set up, obeys"));
 }
 
 TEST(TiltSource, SaysWhichHardwareErrorAServoHas) {

@@ -4,8 +4,6 @@
 #include <numbers>
 #include <utility>
 
-#include "tools/emulate/cia402_pdo.hpp"
-
 namespace odoless {
 namespace {
 
@@ -15,34 +13,13 @@ using canopen::Object;
 using cia402::PowerState;
 
 constexpr std::int64_t kTickNs = 1'000'000;
-constexpr std::uint16_t kVoltageEnabled = 1U << 4U;
-constexpr std::uint16_t kRemote = 1U << 9U;
-constexpr std::uint16_t kHeartbeatLost = 0x8130;
-constexpr std::uint32_t kHomingMode = 6;
-constexpr std::uint32_t kQuickStopOption = 3;  ///< of 6007h
-constexpr int kPdos = 4;
+constexpr std::uint32_t kIdMask = 0x7FF;
 
-std::uint16_t state_bits(PowerState state) {
-  switch (state) {
-    case PowerState::kNotReady:
-      return 0x00;
-    case PowerState::kSwitchOnDisabled:
-      return 0x40;
-    case PowerState::kReady:
-      return 0x21;
-    case PowerState::kSwitchedOn:
-      return 0x23;
-    case PowerState::kEnabled:
-      return 0x27;
-    case PowerState::kQuickStop:
-      return 0x07;
-    case PowerState::kFaultReaction:
-      return 0x0F;
-    case PowerState::kFault:
-      return 0x08;
-  }
-  return 0;
-}
+/// Values of 6007h: what the drive does when its master is lost.
+enum AbortOption : std::uint32_t { kNoAction, kFaultOption, kDisableVoltageOption, kQuickStopOption };
+
+/// Values of 1029h, sub 1: what the node does then.
+enum ErrorBehaviour : std::uint32_t { kToPreOperational, kNoChange, kToStopped };
 
 }  // namespace
 
@@ -50,6 +27,7 @@ Cia402Device::Cia402Device(Cia402DeviceOptions options, std::int64_t now_ns)
     : options_(std::move(options)),
       time_(options_.faults, now_ns),
       dictionary_(options_.node),
+      sdo_(options_.node),
       motor_(counts(options_.start_rad)),
       last_tick_ns_(now_ns) {
   reset_communication(now_ns);
@@ -86,7 +64,10 @@ void Cia402Device::power_up(std::int64_t now_ns) {
 // Zero, power stage and all that is of the drive's profile stay (CiA 301, 7.3.2.2.1).
 void Cia402Device::reset_communication(std::int64_t now_ns) {
   dictionary_.reset_communication();
+  sdo_.reset();
+  pdos_.start();
   master_heard_s_ = -1.0;
+  master_is_lost_ = false;
   node_state_ = NodeState::kPreOperational;
   last_tick_ns_ = now_ns;
   send(canopen::heartbeat(options_.node, NodeState::kBootUp));
@@ -110,6 +91,12 @@ bool Cia402Device::is_silent(std::int64_t now_ns) const {
   return now_ns < silent_until_ns_ || time_.fault(FaultKind::kSilence, now_ns) != nullptr;
 }
 
+void Cia402Device::send(const std::optional<CanFrame>& frame) {
+  if (frame) {
+    send(*frame);
+  }
+}
+
 void Cia402Device::receive(std::span<const std::byte> bytes, std::int64_t now_ns) {
   const std::optional<CanFrame> frame = to_can_frame(bytes);
   if (!frame || !frame->is_standard_data()) {
@@ -120,34 +107,49 @@ void Cia402Device::receive(std::span<const std::byte> bytes, std::int64_t now_ns
   if (is_silent(now_ns)) {
     return;
   }
-  const auto node = static_cast<std::uint32_t>(options_.node);
-  const std::uint32_t master = dictionary_.get({0x1016, 1}) >> 16U;
   if (frame->id == canopen::kNmtCob) {
     on_nmt(*frame, now_ns);
-  } else if (master != 0 && frame->id == canopen::kHeartbeatCob + master) {
+  } else {
+    on_frame(*frame);
+  }
+  damage_output(now_ns);
+}
+
+void Cia402Device::on_frame(const CanFrame& frame) {
+  const std::uint32_t master = dictionary_.get({0x1016, 1}) >> 16U & 0x7FU;
+  if (master != 0 && frame.id == canopen::kHeartbeatCob + master) {
     master_heard_s_ = now_s_;
+    if (std::exchange(master_is_lost_, false) && power_ != PowerState::kFault) {
+      send(errors_.clear());
+    }
   } else if (node_state_ == NodeState::kStopped) {
     return;
-  } else if (frame->id == canopen::kSdoRequestCob + node) {
-    bool written = false;
-    refresh();
-    send(dictionary_.answer(*frame, written));
-    if (written) {
-      on_write({static_cast<std::uint16_t>(canopen::get(*frame, 1, 2)), frame->data[3]});
-    }
-  } else if (node_state_ == NodeState::kOperational && frame->id == canopen::kSyncCob) {
+  } else if (frame.id == canopen::kSdoRequestCob + static_cast<std::uint32_t>(options_.node)) {
+    on_sdo(frame);
+  } else if (node_state_ == NodeState::kOperational && frame.id == (dictionary_.get({0x1005, 0}) & kIdMask)) {
     on_sync();
   } else if (node_state_ == NodeState::kOperational) {
-    for (int pdo = 0; pdo < kPdos; ++pdo) {
-      on_received_pdo(*frame, pdo);
-    }
+    on_received_pdo(frame);
   }
-  if (time_.fault(FaultKind::kWrongSum, now_ns) != nullptr) {
-    for (ServoFrame& sent : output_) {
-      CanFrame damaged = *to_can_frame(sent);
-      damaged.size_bytes = static_cast<std::uint8_t>(std::max(0, damaged.size_bytes - 1));
-      sent.assign(as_bytes(damaged).begin(), as_bytes(damaged).end());
-    }
+}
+
+void Cia402Device::on_sdo(const CanFrame& frame) {
+  std::optional<Object> written;
+  refresh();
+  send(sdo_.answer(frame, dictionary_, written));
+  if (written) {
+    on_write(*written);
+  }
+}
+
+void Cia402Device::damage_output(std::int64_t now_ns) {
+  if (time_.fault(FaultKind::kWrongSum, now_ns) == nullptr) {
+    return;
+  }
+  for (ServoFrame& sent : output_) {
+    CanFrame damaged = *to_can_frame(sent);
+    damaged.size_bytes = static_cast<std::uint8_t>(std::max(0, damaged.size_bytes - 1));
+    sent.assign(as_bytes(damaged).begin(), as_bytes(damaged).end());
   }
 }
 
@@ -157,7 +159,9 @@ void Cia402Device::on_nmt(const CanFrame& frame, std::int64_t now_ns) {
   }
   switch (static_cast<NmtCommand>(frame.data[0])) {
     case NmtCommand::kStart:
-      node_state_ = NodeState::kOperational;
+      if (std::exchange(node_state_, NodeState::kOperational) != NodeState::kOperational) {
+        pdos_.start();
+      }
       return;
     case NmtCommand::kStop:
       node_state_ = NodeState::kStopped;
@@ -175,20 +179,22 @@ void Cia402Device::on_nmt(const CanFrame& frame, std::int64_t now_ns) {
 }
 
 void Cia402Device::on_sync() {
+  on_writes(pdos_.take_received());
   refresh();
-  for (int pdo = 0; pdo < kPdos; ++pdo) {
-    send_pdo(pdo);
+  for (const CanFrame& frame : pdos_.at_sync()) {
+    send(frame);
   }
 }
 
-void Cia402Device::send_pdo(int pdo) {
-  if (const std::optional<CanFrame> frame = transmit_pdo(dictionary_, pdo)) {
-    send(*frame);
+void Cia402Device::on_received_pdo(const CanFrame& frame) {
+  on_writes(pdos_.receive(frame));
+  if (pdos_.was_too_short()) {
+    send(errors_.raise(kPdoTooShort));
   }
 }
 
-void Cia402Device::on_received_pdo(const CanFrame& frame, int pdo) {
-  for (const Object& object : take_received_pdo(dictionary_, pdo, frame)) {
+void Cia402Device::on_writes(const std::vector<Object>& objects) {
+  for (const Object& object : objects) {
     on_write(object);
   }
 }
@@ -198,87 +204,15 @@ void Cia402Device::on_write(Object object) {
     on_control_word(static_cast<std::uint16_t>(dictionary_.get(object)));
   } else if (object.index == 0x1017) {
     next_heartbeat_s_ = now_s_;
+  } else if (object.index == 0x1003) {
+    for (std::uint8_t sub = 1; sub <= 4; ++sub) {
+      dictionary_.set({0x1003, sub}, 0);
+    }
+  } else if (object.index == 0x1016) {
+    master_heard_s_ = -1.0;  // watched from the next heartbeat on
   } else if (object.index == 0x6060) {
     homes_ = acknowledges_ = false;
   }
-}
-
-void Cia402Device::on_control_word(std::uint16_t control_word) {
-  const std::uint16_t rising = control_word & ~control_word_;
-  const bool bit4_rises = (rising & cia402::kNewSetPoint) != 0;
-  const bool bit4_falls = (control_word_ & ~control_word & cia402::kNewSetPoint) != 0;
-  if (power_ == PowerState::kFault && (rising & cia402::kFaultReset) != 0 && !had_error_) {
-    power_ = PowerState::kSwitchOnDisabled;
-    dictionary_.set({0x603F, 0}, 0);
-  } else if (power_ != PowerState::kFault && power_ != PowerState::kFaultReaction) {
-    switch_power(control_word);
-  }
-  if (power_ == PowerState::kEnabled && (bit4_rises || bit4_falls)) {
-    on_set_point_bit(bit4_rises, control_word);
-  }
-  control_word_ = control_word;
-}
-
-// The transitions of CiA 402-2 by the command that a control word is.
-void Cia402Device::switch_power(std::uint16_t control_word) {
-  const bool voltage = (control_word & 0x02U) != 0;
-  const bool no_quick_stop = (control_word & 0x04U) != 0;
-  const PowerState before = power_;
-  if (!voltage) {
-    power_ = PowerState::kSwitchOnDisabled;
-  } else if (!no_quick_stop) {
-    const bool moves = before == PowerState::kEnabled || before == PowerState::kQuickStop;
-    power_ = moves ? PowerState::kQuickStop : PowerState::kSwitchOnDisabled;
-    if (before == PowerState::kEnabled) {
-      motor_.stop(slope(0x6085));
-    }
-  } else if (before == PowerState::kQuickStop) {
-    const bool resumes = options_.resumes_stop && (control_word & 0x0FU) == 0x0F;
-    power_ = resumes ? PowerState::kEnabled : PowerState::kQuickStop;
-  } else if ((control_word & 0x01U) == 0) {
-    power_ = PowerState::kReady;
-  } else if (before == PowerState::kReady) {
-    power_ = PowerState::kSwitchedOn;
-  } else if (before == PowerState::kSwitchedOn || before == PowerState::kEnabled) {
-    power_ = (control_word & 0x08U) != 0 ? PowerState::kEnabled : PowerState::kSwitchedOn;
-  }
-  if (!has_torque()) {
-    motor_.halt();
-  }
-  if (power_ != PowerState::kEnabled) {
-    acknowledges_ = homes_ = false;
-  }
-}
-
-void Cia402Device::on_set_point_bit(bool rises, std::uint16_t control_word) {
-  const bool homing = dictionary_.get({0x6060, 0}) == kHomingMode;
-  if (homing) {
-    homes_ = rises;
-    acknowledges_ = acknowledges_ && !rises;
-    if (rises) {
-      const std::int32_t method = dictionary_.get_signed({0x6098, 0});
-      const bool homes_here = method == 35 || method == 37;
-      motor_.set_profile(slope(0x6099), slope(0x609A));
-      motor_.go_to(homes_here ? motor_.position_counts() : counts(options_.home_rad) - zero_counts_);
-    }
-    return;
-  }
-  acknowledges_ = rises;
-  if (rises && ((control_word & cia402::kChangeAtOnce) != 0 || motor_.is_there())) {
-    start_move();
-  }
-}
-
-void Cia402Device::start_move() {
-  const double wished = dictionary_.get_signed({0x607A, 0});
-  const double low = dictionary_.get_signed({0x607D, 1});
-  const double high = dictionary_.get_signed({0x607D, 2});
-  motor_.set_profile(dictionary_.get({0x6081, 0}), slope(0x6083));
-  motor_.go_to(std::clamp(wished, low, std::max(low, high)));
-}
-
-double Cia402Device::slope(std::uint16_t index) const {
-  return dictionary_.get({index, static_cast<std::uint8_t>(index == 0x6099 ? 1 : 0)});
 }
 
 void Cia402Device::fail(std::uint16_t code) {
@@ -286,16 +220,7 @@ void Cia402Device::fail(std::uint16_t code) {
   power_ = PowerState::kFault;
   motor_.halt();
   acknowledges_ = homes_ = false;
-  send_emergency(code);
-}
-
-void Cia402Device::send_emergency(std::uint16_t code) {
-  CanFrame emergency;
-  emergency.id = canopen::kEmergencyCob + static_cast<std::uint32_t>(options_.node);
-  emergency.size_bytes = 8;
-  canopen::put(emergency, 0, code, 2);
-  emergency.data[2] = 0x01;
-  send(emergency);
+  send(errors_.raise(code));
 }
 
 void Cia402Device::follow_faults(std::int64_t now_ns) {
@@ -317,24 +242,30 @@ void Cia402Device::follow_faults(std::int64_t now_ns) {
   }
 }
 
-void Cia402Device::follow_motion() {
-  if (homes_ && !acknowledges_ && motor_.is_there()) {
-    set_zero_here();
-    acknowledges_ = true;
-  }
-  const bool stays = dictionary_.get({0x605A, 0}) >= 5;
-  if (power_ == PowerState::kQuickStop && motor_.velocity_counts_per_s() == 0.0 && !stays) {
-    power_ = PowerState::kSwitchOnDisabled;
-  }
+void Cia402Device::follow_master() {
   const double timeout_s = (dictionary_.get({0x1016, 1}) & 0xFFFFU) * 1e-3;
   if (master_heard_s_ >= 0.0 && timeout_s > 0.0 && now_s_ - master_heard_s_ > timeout_s) {
     master_heard_s_ = -1.0;
-    if (dictionary_.get({0x6007, 0}) != kQuickStopOption) {
-      fail(kHeartbeatLost);
-    } else {
-      send_emergency(kHeartbeatLost);
-      on_control_word(cia402::kQuickStopControl);
-    }
+    on_master_lost();
+  }
+}
+
+void Cia402Device::on_master_lost() {
+  master_is_lost_ = true;
+  const std::uint32_t option = dictionary_.get({0x6007, 0});
+  if (option == kFaultOption) {
+    fail(kHeartbeatLost);
+  } else {
+    send(errors_.raise(kHeartbeatLost));
+  }
+  if (option == kQuickStopOption || option == kDisableVoltageOption) {
+    on_control_word(option == kQuickStopOption ? cia402::kQuickStopControl : cia402::kDisableVoltage);
+  }
+  const std::uint32_t behaviour = dictionary_.get({0x1029, 1});
+  if (behaviour == kToStopped) {
+    node_state_ = NodeState::kStopped;
+  } else if (behaviour == kToPreOperational && node_state_ == NodeState::kOperational) {
+    node_state_ = NodeState::kPreOperational;
   }
 }
 
@@ -348,6 +279,13 @@ void Cia402Device::tick(std::int64_t now_ns) {
     motor_.push(counts(options_.droop_radps) * elapsed_s);
   }
   follow_motion();
+  follow_master();
+  if (node_state_ == NodeState::kOperational) {
+    refresh();
+    for (const CanFrame& frame : pdos_.at_time(now_s_)) {
+      send(frame);
+    }
+  }
   const double period_s = dictionary_.get({0x1017, 0}) * 1e-3;
   if (period_s > 0.0 && now_s_ >= next_heartbeat_s_ && !is_silent(now_ns)) {
     next_heartbeat_s_ = std::max(next_heartbeat_s_ + period_s, now_s_);
@@ -359,15 +297,6 @@ void Cia402Device::tick(std::int64_t now_ns) {
 }
 
 std::int64_t Cia402Device::next_event_ns() const { return last_tick_ns_ + kTickNs; }
-
-std::uint16_t Cia402Device::status_word() const {
-  std::uint16_t word = state_bits(power_) | kVoltageEnabled | kRemote;
-  const bool homing = dictionary_.get({0x6060, 0}) == kHomingMode;
-  const bool reached = homing ? acknowledges_ || !homes_ : motor_.is_there();
-  word |= acknowledges_ ? std::uint16_t{cia402::kSetPointAcknowledged} : std::uint16_t{0};
-  word |= reached ? std::uint16_t{cia402::kTargetReached} : std::uint16_t{0};
-  return word;
-}
 
 void Cia402Device::refresh() {
   dictionary_.set({0x6041, 0}, status_word());

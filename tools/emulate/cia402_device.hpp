@@ -4,8 +4,10 @@
 
 #include "drivers/io/can_frame.hpp"
 #include "drivers/tilt/cia402/power_state.hpp"
+#include "tools/emulate/cia402_errors.hpp"
+#include "tools/emulate/cia402_pdo.hpp"
 #include "tools/emulate/emulated_servo.hpp"
-#include "tools/emulate/object_dictionary.hpp"
+#include "tools/emulate/sdo_server.hpp"
 #include "tools/emulate/servo_motor.hpp"
 
 namespace odoless {
@@ -21,8 +23,8 @@ struct Cia402DeviceOptions {
   std::vector<Fault> faults;  ///< silence, wrong-sum (frames too short), reboot, drift, stall, error (EMCY code)
 };
 
-/// A CANopen drive (CiA 301, 402): network management, heartbeats both ways, SDO server, mapped PDOs at SYNC, emergency
-/// messages, the power stage's states, profile position and homing.
+/// A CANopen drive (CiA 301, 402): network management, heartbeats both ways, SDO server (expedited and by segments),
+/// mapped PDOs at SYNC and at events, emergency messages, the power stage's states, profile position and homing.
 class Cia402Device final : public EmulatedServo {
  public:
   Cia402Device(Cia402DeviceOptions options, std::int64_t now_ns);
@@ -45,19 +47,24 @@ class Cia402Device final : public EmulatedServo {
   void reset_communication(std::int64_t now_ns);
   void set_zero_here();
   void send(const CanFrame& frame);
+  void send(const std::optional<CanFrame>& frame);
   void on_nmt(const CanFrame& frame, std::int64_t now_ns);
+  void on_frame(const CanFrame& frame);
+  void on_sdo(const CanFrame& frame);
   void on_sync();
-  void on_received_pdo(const CanFrame& frame, int pdo);
-  void send_pdo(int pdo);
+  void on_received_pdo(const CanFrame& frame);
+  void on_writes(const std::vector<canopen::Object>& objects);
   void on_write(canopen::Object object);
   void on_control_word(std::uint16_t control_word);
   void switch_power(std::uint16_t control_word);
   void on_set_point_bit(bool rises, std::uint16_t control_word);
   void start_move();
   void fail(std::uint16_t code);
-  void send_emergency(std::uint16_t code);
   void follow_faults(std::int64_t now_ns);
   void follow_motion();
+  void follow_master();
+  void on_master_lost();
+  void damage_output(std::int64_t now_ns);
   void refresh();
   [[nodiscard]] bool has_torque() const;
   [[nodiscard]] bool is_silent(std::int64_t now_ns) const;
@@ -68,6 +75,9 @@ class Cia402Device final : public EmulatedServo {
   Cia402DeviceOptions options_;
   ServoTime time_;
   ObjectDictionary dictionary_;
+  SdoServer sdo_;
+  ProcessData pdos_{dictionary_};
+  NodeErrors errors_{dictionary_};
   ServoMotor motor_;
   double zero_counts_ = 0.0;  ///< where the zero is, by that at first
   std::vector<ServoFrame> output_;
@@ -80,7 +90,8 @@ class Cia402Device final : public EmulatedServo {
   bool had_error_ = false;
   double now_s_ = 0.0;  ///< by its own clock, since power-up
   double next_heartbeat_s_ = 0.0;
-  double master_heard_s_ = -1.0;  ///< negative: not yet
+  double master_heard_s_ = -1.0;  ///< negative: not yet, or not any more
+  bool master_is_lost_ = false;
   std::int64_t last_tick_ns_ = 0;
   std::int64_t silent_until_ns_ = 0;
 };

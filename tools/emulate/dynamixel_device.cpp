@@ -1,6 +1,7 @@
 #include "tools/emulate/dynamixel_device.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -10,23 +11,15 @@
 namespace odoless {
 namespace {
 
-using dynamixel::Instruction;
-using dynamixel::Packet;
-
 constexpr std::int64_t kTickNs = 1'000'000;
 constexpr std::int64_t kRebootNs = 300'000'000;
-constexpr std::uint16_t kFirstLost = 64;  ///< from here on the table is not kept
-constexpr std::uint16_t kModel = 1020;    ///< XM430-W350
 constexpr double kFastCounts = 20'000.0;  ///< without a profile, per second
 constexpr double kFastSlope = 400'000.0;
+constexpr double kFarCounts = 1e9;  ///< further than it ever comes
 
-constexpr std::uint8_t kInstructionError = 2;
-constexpr std::uint8_t kRangeError = 4;
-constexpr std::uint8_t kLengthError = 5;
-constexpr std::uint8_t kLimitError = 6;
-constexpr std::uint8_t kAccessError = 7;
-
+constexpr std::array<int, 8> kBauds{9600, 57600, 115200, 1'000'000, 2'000'000, 3'000'000, 4'000'000, 4'500'000};
 constexpr std::uint8_t kWatchdogTripped = 0xFF;
+constexpr int kFirstGoal = 100;
 constexpr double kCountsPerRad = dynamixel::kCountsPerTurn / (2.0 * std::numbers::pi);
 
 }  // namespace
@@ -36,38 +29,21 @@ DynamixelDevice::DynamixelDevice(DynamixelDeviceOptions options, std::int64_t no
       time_(options_.faults, now_ns),
       motor_(dynamixel::kCentreCounts + options_.start_rad * kCountsPerRad),
       last_tick_ns_(now_ns) {
-  set(0, kModel, 2);
-  set(6, 45, 1);
-  set(7, static_cast<std::uint32_t>(options_.id), 1);
-  set(dynamixel::kReturnDelay, 250, 1);
-  set(dynamixel::kOperatingMode, options_.mode, 1);
-  set(dynamixel::kPositionMax, 4095, 4);
+  table_.set(DynamixelTable::kId, static_cast<std::uint32_t>(options_.id), 1);
+  table_.set(dynamixel::kOperatingMode, options_.mode, 1);
   power_up(now_ns);
   silent_until_ns_ = now_ns;
 }
 
 void DynamixelDevice::power_up(std::int64_t now_ns) {
-  std::fill(table_.begin() + kFirstLost, table_.end(), std::uint8_t{0});
-  set(dynamixel::kStatusReturnLevel, options_.answers, 1);
+  table_.power_up();
+  table_.set(dynamixel::kStatusReturnLevel, options_.answers, 1);
   motor_.halt();
   reader_.clear();
   answers_.clear();
-  now_s_ = 0.0;
+  registered_.clear();
+  now_s_ = heard_s_ = 0.0;
   silent_until_ns_ = now_ns + kRebootNs;
-}
-
-std::uint32_t DynamixelDevice::get(std::uint16_t address, int size_bytes) const {
-  std::uint32_t value = 0;
-  for (int i = size_bytes - 1; i >= 0; --i) {
-    value = value << 8U | table_.at(address + static_cast<unsigned>(i));
-  }
-  return value;
-}
-
-void DynamixelDevice::set(std::uint16_t address, std::uint32_t value, int size_bytes) {
-  for (int i = 0; i < size_bytes; ++i, value >>= 8U) {
-    table_.at(address + static_cast<unsigned>(i)) = static_cast<std::uint8_t>(value & 0xFFU);
-  }
 }
 
 double DynamixelDevice::angle_rad() const {
@@ -76,7 +52,16 @@ double DynamixelDevice::angle_rad() const {
 
 double DynamixelDevice::velocity_radps() const { return motor_.velocity_counts_per_s() / kCountsPerRad; }
 
-bool DynamixelDevice::has_torque() const { return get(dynamixel::kTorqueEnable, 1) != 0; }
+int DynamixelDevice::level() const { return static_cast<int>(table_.get(dynamixel::kStatusReturnLevel, 1)); }
+
+bool DynamixelDevice::has_torque() const { return table_.get(dynamixel::kTorqueEnable, 1) != 0; }
+
+int DynamixelDevice::baud() const { return kBauds.at(table_.get(DynamixelTable::kBaud, 1)); }
+
+// A rate that no Dynamixel has is that of a terminal which nobody has set.
+bool DynamixelDevice::line_is_right() const {
+  return std::ranges::find(kBauds, line_baud_) == kBauds.end() || line_baud_ == baud();
+}
 
 bool DynamixelDevice::is_silent(std::int64_t now_ns) const {
   return now_ns < silent_until_ns_ || time_.fault(FaultKind::kSilence, now_ns) != nullptr;
@@ -91,123 +76,130 @@ void DynamixelDevice::receive(std::span<const std::byte> bytes, std::int64_t now
   if (options_.echoes) {
     output_.emplace_back(bytes.begin(), bytes.end());
   }
-  if (is_silent(now_ns)) {
+  if (is_silent(now_ns) || !line_is_right()) {
     return;
   }
   for (auto outcome = reader_.take(bytes); outcome != dynamixel::PacketReader::Outcome::kMore;
        outcome = reader_.take(bytes)) {
-    const Packet& packet = reader_.packet();
-    if (outcome == dynamixel::PacketReader::Outcome::kPacket && packet.id == options_.id) {
-      heard_s_ = now_s_;
-      execute(packet, now_ns);
+    if (outcome == dynamixel::PacketReader::Outcome::kPacket) {
+      execute(reader_.packet(), now_ns);
     }
   }
 }
 
-void DynamixelDevice::execute(const Packet& packet, std::int64_t now_ns) {
-  const int level = table_[dynamixel::kStatusReturnLevel];
-  switch (static_cast<Instruction>(packet.instruction)) {
-    case Instruction::kPing: {
-      const std::array<std::uint8_t, 3> model{table_[0], table_[1], table_[6]};
-      return answer(0, model, now_ns);
-    }
-    case Instruction::kRead: {
-      refresh();
-      const auto first = static_cast<std::size_t>(packet.parameters[0] + 256 * packet.parameters[1]);
-      const auto count = static_cast<std::size_t>(packet.parameters[2] + 256 * packet.parameters[3]);
-      const bool fits = packet.size == 4 && count <= 100 && first + count <= table_.size();
-      if (level >= 1) {
-        answer(fits ? 0 : kRangeError, fits ? std::span(table_).subspan(first, count) : std::span<std::uint8_t>(),
-               now_ns);
-      }
-      return;
-    }
-    case Instruction::kWrite: {
-      const std::uint8_t error = write(packet);
-      if (level >= 2) {
-        answer(error, {}, now_ns);
-      }
-      return;
-    }
-    case Instruction::kReboot:
-      answer(0, {}, now_ns);
-      output_.push_back(std::move(answers_.back().bytes));
-      power_up(now_ns);
-      return;
-    case Instruction::kStatus:
-      return;
+DynamixelError DynamixelDevice::write(std::span<const std::uint8_t> address_and_data) {
+  if (address_and_data.size() < 3) {
+    return DynamixelError::kDataLength;
   }
-  if (level >= 2) {
-    answer(kInstructionError, {}, now_ns);
+  const auto first = static_cast<std::uint16_t>(address_and_data[0] + 256 * address_and_data[1]);
+  const std::span<const std::uint8_t> data = address_and_data.subspan(2);
+  const auto meets = [&](int begin, int end) { return first < end && first + static_cast<int>(data.size()) > begin; };
+  const bool has_goal =
+      meets(kFirstGoal, dynamixel::kProfile) || meets(dynamixel::kGoalPosition, dynamixel::kRealtimeTick);
+  if (has_goal && table_.get(dynamixel::kBusWatchdog, 1) == kWatchdogTripped) {
+    return DynamixelError::kDataRange;
   }
-}
-
-std::uint8_t DynamixelDevice::write(const Packet& packet) {
-  if (packet.size < 3) {
-    return kLengthError;
+  if (const DynamixelError problem = table_.problem(first, data); problem != DynamixelError::kNone) {
+    return problem;
   }
-  const auto first = static_cast<std::uint16_t>(packet.parameters[0] + 256 * packet.parameters[1]);
-  const auto count = static_cast<std::uint16_t>(packet.size - 2);
-  if (first + count > static_cast<int>(table_.size()) || first >= dynamixel::kRealtimeTick) {
-    return kRangeError;
-  }
-  if (first < kFirstLost && (has_torque() || first < 7)) {
-    return kAccessError;
-  }
-  const bool has_goal = first <= dynamixel::kGoalPosition && first + count > dynamixel::kGoalPosition;
-  if (has_goal && table_[dynamixel::kBusWatchdog] == kWatchdogTripped) {
-    return kRangeError;
-  }
-  const std::array<std::uint8_t, 148> before = table_;
-  std::copy_n(packet.parameters.begin() + 2, count, table_.begin() + first);
-  const auto goal = static_cast<std::int32_t>(get(dynamixel::kGoalPosition, 4));
-  const bool in_limits = goal >= static_cast<std::int32_t>(get(dynamixel::kPositionMin, 4)) &&
-                         goal <= static_cast<std::int32_t>(get(dynamixel::kPositionMax, 4));
-  if (has_goal && !in_limits) {
-    table_ = before;
-    return kLimitError;
-  }
-  kept_writes_ += first < kFirstLost ? 1 : 0;
-  on_written(first, count);
-  return 0;
-}
-
-void DynamixelDevice::on_written(std::uint16_t first, std::uint16_t count) {
-  const auto has = [&](std::uint16_t address) { return first <= address && first + count > address; };
-  if (has(dynamixel::kTorqueEnable)) {
+  const bool had_torque = has_torque();
+  const std::vector<std::uint16_t> addresses = table_.write(first, data);
+  const bool is_kept = std::ranges::any_of(addresses, [](auto at) { return at < DynamixelTable::kFirstLost; });
+  kept_writes_ += is_kept ? 1 : 0;
+  if (has_torque() != had_torque) {
     motor_.halt();
-    set(dynamixel::kGoalPosition, static_cast<std::uint32_t>(std::lround(motor_.position_counts())), 4);
+    table_.set(dynamixel::kGoalPosition, static_cast<std::uint32_t>(std::lround(motor_.position_counts())), 4);
   }
-  if (has(dynamixel::kGoalPosition) && has_torque() &&
-      table_[dynamixel::kOperatingMode] == dynamixel::kPositionControl) {
-    const double slope_counts_per_s2 = get(dynamixel::kProfile, 4) * dynamixel::kAccelerationUnitRadps2 * kCountsPerRad;
-    const double speed_counts_per_s = get(dynamixel::kProfile + 4, 4) * dynamixel::kSpeedUnitRadps * kCountsPerRad;
-    motor_.set_profile(speed_counts_per_s == 0.0 ? kFastCounts : speed_counts_per_s,
-                       slope_counts_per_s2 == 0.0 ? kFastSlope : slope_counts_per_s2);
-    motor_.go_to(static_cast<std::int32_t>(get(dynamixel::kGoalPosition, 4)) + options_.sag_counts);
+  on_written(addresses);
+  return DynamixelError::kNone;
+}
+
+void DynamixelDevice::on_written(std::span<const std::uint16_t> addresses) {
+  const auto has = [&](std::uint16_t address) { return std::ranges::find(addresses, address) != addresses.end(); };
+  const bool moves = has(dynamixel::kGoalPosition) || has(DynamixelTable::kGoalVelocity);
+  if (moves && has_torque()) {
+    follow_goal();
   }
 }
 
-void DynamixelDevice::answer(std::uint8_t error, std::span<const std::uint8_t> data, std::int64_t now_ns) {
-  std::vector<std::uint8_t> parameters{error};
-  if (table_[dynamixel::kHardwareError] != 0) {
-    parameters[0] |= dynamixel::kAlert;
+void DynamixelDevice::follow_goal() {
+  const double slope_counts_per_s2 =
+      table_.get(dynamixel::kProfile, 4) * dynamixel::kAccelerationUnitRadps2 * kCountsPerRad;
+  const double speed_counts_per_s = table_.get(dynamixel::kProfile + 4, 4) * dynamixel::kSpeedUnitRadps * kCountsPerRad;
+  const double slope = slope_counts_per_s2 == 0.0 ? kFastSlope : slope_counts_per_s2;
+  const std::uint32_t mode = table_.get(dynamixel::kOperatingMode, 1);
+  if (mode == dynamixel::kPositionControl || mode == DynamixelTable::kExtendedPositionMode) {
+    motor_.set_profile(speed_counts_per_s == 0.0 ? kFastCounts : speed_counts_per_s, slope);
+    motor_.go_to(table_.get_signed(dynamixel::kGoalPosition) + options_.sag_counts);
+  } else if (mode == DynamixelTable::kVelocityMode) {
+    const double wished = table_.get_signed(DynamixelTable::kGoalVelocity) * dynamixel::kSpeedUnitRadps * kCountsPerRad;
+    motor_.set_profile(std::abs(wished), slope);
+    if (wished == 0.0) {
+      motor_.stop(slope);
+    } else {
+      motor_.go_to(std::copysign(kFarCounts, wished));
+    }
   }
-  parameters.insert(parameters.end(), data.begin(), data.end());
-  dynamixel::PacketBytes packet = dynamixel::encode(options_.id, Instruction::kStatus, parameters);
-  if (time_.fault(FaultKind::kWrongSum, now_ns) != nullptr) {
-    packet.bytes[packet.size - 1] ^= 0x10U;
+}
+
+DynamixelError DynamixelDevice::register_write(std::span<const std::uint8_t> address_and_data) {
+  if (address_and_data.size() < 3) {
+    return DynamixelError::kDataLength;
   }
-  const std::span<const std::byte> bytes = std::as_bytes(packet.span());
-  const std::int64_t delay_ns = options_.latency_ns + table_[dynamixel::kReturnDelay] * std::int64_t{2000};
-  answers_.push_back({now_ns + delay_ns, {bytes.begin(), bytes.end()}});
+  const auto first = static_cast<std::uint16_t>(address_and_data[0] + 256 * address_and_data[1]);
+  const DynamixelError problem = table_.problem(first, address_and_data.subspan(2));
+  if (problem == DynamixelError::kNone) {
+    registered_.assign(address_and_data.begin(), address_and_data.end());
+    table_.set(DynamixelTable::kRegistered, 1, 1);
+  }
+  return problem;
+}
+
+DynamixelError DynamixelDevice::do_registered() {
+  table_.set(DynamixelTable::kRegistered, 0, 1);
+  const std::vector<std::uint8_t> wished = std::exchange(registered_, {});
+  return wished.empty() ? DynamixelError::kNone : write(wished);
+}
+
+/// Of the turns that it has made, which only the extended mode counts: the position within one turn stays.
+DynamixelError DynamixelDevice::clear(std::span<const std::uint8_t> parameters) {
+  constexpr std::array<std::uint8_t, 5> kTurns{0x01, 0x44, 0x58, 0x4C, 0x22};
+  if (!std::ranges::equal(parameters, kTurns)) {
+    return DynamixelError::kDataRange;
+  }
+  if (motor_.velocity_counts_per_s() != 0.0) {
+    return DynamixelError::kResultFail;
+  }
+  const double turns = std::floor(motor_.position_counts() / dynamixel::kCountsPerTurn);
+  motor_.rename(motor_.position_counts() - turns * dynamixel::kCountsPerTurn);
+  return DynamixelError::kNone;
+}
+
+bool DynamixelDevice::factory_reset(std::uint8_t what, bool to_all) {
+  constexpr std::uint8_t kAll = 0xFF;
+  constexpr std::uint8_t kAllButId = 0x01;
+  constexpr std::uint8_t kAllButIdAndBaud = 0x02;
+  const bool is_known = what == kAll || what == kAllButId || what == kAllButIdAndBaud;
+  if (!is_known || (what == kAll && to_all)) {  // or all would have one id
+    return false;
+  }
+  const auto old_id = static_cast<std::uint32_t>(id());
+  const std::uint32_t old_baud = table_.get(DynamixelTable::kBaud, 1);
+  table_ = DynamixelTable();
+  if (what != kAll) {
+    table_.set(DynamixelTable::kId, old_id, 1);
+  }
+  if (what == kAllButIdAndBaud) {
+    table_.set(DynamixelTable::kBaud, old_baud, 1);
+  }
+  return true;
 }
 
 void DynamixelDevice::follow_faults(std::int64_t now_ns) {
   motor_.set_jammed(time_.fault(FaultKind::kStall, now_ns) != nullptr);
   if (const Fault* const error = time_.fault(FaultKind::kError, now_ns); error != nullptr) {
-    table_[dynamixel::kHardwareError] = static_cast<std::uint8_t>(error->value);
-    table_[dynamixel::kTorqueEnable] = 0;
+    table_.set(dynamixel::kHardwareError, static_cast<std::uint32_t>(error->value), 1);
+    table_.set(dynamixel::kTorqueEnable, 0, 1);
     motor_.halt();
   }
   const Fault* const reboot = time_.fault(FaultKind::kReboot, now_ns);
@@ -220,9 +212,9 @@ void DynamixelDevice::follow_faults(std::int64_t now_ns) {
 
 // Data sheet of the XL430-W250, "Bus Watchdog (98)".
 void DynamixelDevice::follow_watchdog() {
-  const std::uint8_t units = table_[dynamixel::kBusWatchdog];
+  const std::uint32_t units = table_.get(dynamixel::kBusWatchdog, 1);
   if (units != 0 && units != kWatchdogTripped && has_torque() && now_s_ - heard_s_ > units * 0.02) {
-    table_[dynamixel::kBusWatchdog] = kWatchdogTripped;
+    table_.set(dynamixel::kBusWatchdog, kWatchdogTripped, 1);
     motor_.stop(kFastSlope);
   }
 }
@@ -254,12 +246,13 @@ std::vector<ServoFrame> DynamixelDevice::take_output() { return std::exchange(ou
 
 void DynamixelDevice::refresh() {
   const auto tick_ms = static_cast<std::int64_t>(now_s_ * 1000.0) % dynamixel::kTickWrapMs;
-  const double speed_units = velocity_radps() / dynamixel::kSpeedUnitRadps;
-  set(dynamixel::kRealtimeTick, static_cast<std::uint32_t>(tick_ms), 2);
-  set(dynamixel::kRealtimeTick + 2, motor_.is_there() ? 0 : 1, 1);
-  set(dynamixel::kPresentVelocity, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(speed_units))), 4);
-  set(dynamixel::kPresentPosition,
-      static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(motor_.position_counts()))), 4);
+  const auto rounded = [](double value) {
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(value)));
+  };
+  table_.set(dynamixel::kRealtimeTick, static_cast<std::uint32_t>(tick_ms), 2);
+  table_.set(dynamixel::kRealtimeTick + 2, motor_.velocity_counts_per_s() == 0.0 ? 0 : 1, 1);
+  table_.set(dynamixel::kPresentVelocity, rounded(velocity_radps() / dynamixel::kSpeedUnitRadps), 4);
+  table_.set(dynamixel::kPresentPosition, rounded(motor_.position_counts()), 4);
 }
 
 }  // namespace odoless

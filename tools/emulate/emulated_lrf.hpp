@@ -97,6 +97,8 @@ class EmulatedLrf {
   void send(std::string bytes, std::int64_t now_ns);
   /// An answer that takes its time: the line has carried it at `due_ns`, which never goes back.
   void send_later(std::string bytes, std::int64_t due_ns);
+  /// It has lost its power: no answer that was still to come does.
+  void forget_later() { later_.clear(); }
   /// A piece of the stream, with whatever faults damage it.
   void send_piece(std::string bytes, std::optional<SentScan> scan, std::int64_t now_ns);
 

@@ -31,6 +31,9 @@ class EmulatedServo {
   /// What is to be sent, in order.
   [[nodiscard]] virtual std::vector<ServoFrame> take_output() = 0;
 
+  /// The rate that the client has set the line to; 0: a line that has none.
+  virtual void set_line_baud(int /*baud*/) {}
+
   /// Where the axis truly is, by the servo's own zero.
   [[nodiscard]] virtual double angle_rad() const = 0;
   [[nodiscard]] virtual double velocity_radps() const = 0;

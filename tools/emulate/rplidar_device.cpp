@@ -1,5 +1,7 @@
 #include "tools/emulate/rplidar_device.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,30 +13,8 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<RplidarModel, 2> kModels{{
-    {.name = "rplidar-a1",
-     .product = "RPLIDAR A1",
-     .firmware_minor = 16,
-     .id = 0x18,
-     .turn_ns = 181'818'182,
-     .sample_us = 508,
-     .express_sample_us = 254,
-     .baud = 115200,
-     .range_far_m = 12.0,
-     .range_sd_m = 0.010},
-    {.name = "rplidar-a2",
-     .product = "RPLIDAR A2",
-     .firmware_minor = 29,
-     .id = 0x28,
-     .turn_ns = 100'000'000,
-     .sample_us = 500,
-     .express_sample_us = 250,
-     .baud = 115200,
-     .range_far_m = 16.0,
-     .range_sd_m = 0.010},
-}};
-
-constexpr int kFirstIdWithMotorCommand = 0x20;
+constexpr std::size_t kExpressPayload = 5;
+constexpr unsigned char kExpressModeMax = 1;  ///< 0 is it for older clients, 1 by the list of modes
 constexpr double kFarCompensationDeg = 7.0;
 constexpr double kParallaxDegM = 1.0;
 
@@ -73,14 +53,6 @@ unsigned q6(double angle_deg) { return static_cast<unsigned>(std::lround((angle_
 
 }  // namespace
 
-std::span<const RplidarModel> rplidar_models() { return kModels; }
-
-const RplidarModel* find_rplidar_model(std::string_view name) {
-  const auto* const found =
-      std::find_if(kModels.begin(), kModels.end(), [&](const RplidarModel& m) { return m.name == name; });
-  return found == kModels.end() ? nullptr : found;
-}
-
 RplidarDevice::RplidarDevice(const RplidarModel& model, EmulatedScans& source, EmulatedLrfOptions options)
     : EmulatedLrf(source, std::move(options)), model_(model) {}
 
@@ -88,7 +60,7 @@ void RplidarDevice::restart(std::int64_t now_ns) {
   received_.clear();
   mode_ = Mode::kIdle;
   motor_duty_ = 0;
-  send("RP LIDAR System.\r\nFirmware Ver 1.29 - rel, HW Ver 7\r\n", now_ns);
+  send(fmt::format("RP LIDAR System.\r\nFirmware Ver 1.{} - rel, HW Ver 7\r\n", model_.firmware_minor), now_ns);
 }
 
 std::int64_t RplidarDevice::sample_ns() const {
@@ -145,7 +117,7 @@ RplidarDevice::Sample RplidarDevice::sample(std::int64_t index) {
 }
 
 void RplidarDevice::on_due(std::int64_t piece) {
-  const bool turns = model_.id < kFirstIdWithMotorCommand || motor_duty_ > 0;
+  const bool turns = model_.motor_duty == 0 || motor_duty_ > 0;
   if (mode_ == Mode::kIdle || !turns) {
     return;
   }
@@ -244,45 +216,6 @@ void RplidarDevice::stream(Mode mode, std::string_view answer, std::int64_t now_
   skip_to(now_ns);
 }
 
-/// What newer firmware tells of its scans: 0 is the standard one, 1 the express one.
-std::string RplidarDevice::configuration(std::string_view payload) const {
-  constexpr unsigned kCount = 0x70;
-  constexpr unsigned kPace = 0x71;
-  constexpr unsigned kFarthest = 0x74;
-  constexpr unsigned kAnswerType = 0x75;
-  constexpr unsigned kTypical = 0x7C;
-  constexpr unsigned kName = 0x7F;
-  const unsigned what = static_cast<unsigned char>(payload[0]);
-  const bool is_express = payload.size() > 4 && payload[4] != 0;
-  std::string data(payload.substr(0, 4));
-  switch (what) {
-    case kCount:
-      put(data, 2);
-      break;
-    case kPace:
-      put(data, 256U * static_cast<unsigned>(is_express ? model_.express_sample_us : model_.sample_us) & 0xFFFFU);
-      put(data, static_cast<unsigned>(is_express ? model_.express_sample_us : model_.sample_us) >> 8U);
-      break;
-    case kFarthest:
-      put(data, static_cast<unsigned>(model_.range_far_m * 256.0));
-      put(data, 0);
-      break;
-    case kAnswerType:
-      data += byte(is_express ? 0x82 : 0x81);
-      break;
-    case kTypical:
-      put(data, 1);
-      break;
-    case kName:
-      data += is_express ? "Express" : "Standard";
-      data += '\0';
-      break;
-    default:
-      break;
-  }
-  return descriptor(static_cast<unsigned>(data.size()), false, 0x20) + data;
-}
-
 void RplidarDevice::execute(int command, std::string_view payload, std::int64_t now_ns) {
   using rplidar::Command;
   std::string answer;
@@ -304,6 +237,9 @@ void RplidarDevice::execute(int command, std::string_view payload, std::int64_t 
       answer.append(3, '\0');
       return send(answer, now_ns);
     case Command::kSampleTime:
+      if (!model_.knows_express()) {
+        return;
+      }
       answer = descriptor(4, false, 0x15);
       put(answer, static_cast<unsigned>(model_.sample_us));
       put(answer, static_cast<unsigned>(model_.express_sample_us));
@@ -316,17 +252,22 @@ void RplidarDevice::execute(int command, std::string_view payload, std::int64_t 
     case Command::kScan:
       return stream(Mode::kStandard, descriptor(5, true, 0x81), now_ns);
     case Command::kExpress:
+      if (!model_.knows_express() || payload.size() != kExpressPayload ||
+          static_cast<unsigned char>(payload[0]) > kExpressModeMax) {
+        return;
+      }
       return stream(Mode::kExpress, descriptor(84, true, 0x82), now_ns);
   }
   if (command == 0x21) {  // the standard scan, whatever its health
     return stream(Mode::kStandard, descriptor(5, true, 0x81), now_ns);
   }
-  if (command == 0x84 && payload.size() >= 4 && model_.firmware_minor >= 24) {
-    return send(configuration(payload), now_ns);
+  if (command == 0x84 && payload.size() >= 4 && model_.knows_configuration()) {
+    const std::string setting = rplidar_setting(model_, payload);
+    return send(descriptor(static_cast<unsigned>(setting.size()), false, 0x20) + setting, now_ns);
   }
   if (command == 0xFF) {  // whether its board has a motor that takes commands
     answer = descriptor(4, false, 0xFF);
-    put(answer, model_.id >= kFirstIdWithMotorCommand ? 1U : 0U);
+    put(answer, model_.motor_duty > 0 ? 1U : 0U);
     put(answer, 0);
     send(answer, now_ns);
   }

@@ -7,30 +7,12 @@
 #include <vector>
 
 #include "tools/emulate/emulated_lrf.hpp"
+#include "tools/emulate/rplidar_model.hpp"
 
 namespace odoless {
 
-/// A laser that speaks RPLIDAR's protocol.
-struct RplidarModel {
-  std::string_view name;  ///< as in drivers/lrf/models.hpp, where it is there
-  std::string_view product;
-  int firmware_minor;  ///< of 1.x: clients take up to 16 for one without the express scan
-  int id;              ///< what it says to be
-  std::int64_t turn_ns;
-  int sample_us;  ///< of the standard scan
-  int express_sample_us;
-  int baud;
-  double range_far_m;  ///< what it really sees
-  double range_sd_m;   ///< standard deviation of one range
-};
-
-[[nodiscard]] std::span<const RplidarModel> rplidar_models();
-
-/// The model of that name, or null.
-[[nodiscard]] const RplidarModel* find_rplidar_model(std::string_view name);
-
-/// A laser that speaks RPLIDAR's protocol: stop, reset, information, health, sample times, motor, standard and express
-/// scan.
+/// A laser that speaks RPLIDAR's protocol: stop, reset, information, health, settings, sample times, motor, standard
+/// and express scan, each from the firmware on that knows it.
 ///
 /// It samples evenly whatever its mirror does, so that the number of points in a turn varies. Points are sent eight at
 /// a time, or a capsule of 32. As it triangulates, its mirror is 7 degrees past a far point and less past a near one;
@@ -55,7 +37,6 @@ class RplidarDevice final : public EmulatedLrf {
 
   [[nodiscard]] bool take_request(std::int64_t now_ns);
   void execute(int command, std::string_view payload, std::int64_t now_ns);
-  [[nodiscard]] std::string configuration(std::string_view payload) const;
   void stream(Mode mode, std::string_view descriptor, std::int64_t now_ns);
 
   /// One sample: where the mirror was, and what was seen.

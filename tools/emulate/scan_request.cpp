@@ -37,8 +37,13 @@ const char* status_of_steps(const ScanRequest& request, const ScipModel& model) 
 
 }  // namespace
 
-bool is_scan_request(std::string_view text) {
-  return text.size() >= 2 && (text[0] == 'M' || text[0] == 'G') && (text[1] == 'D' || text[1] == 'S' || text[1] == 'E');
+bool is_scan_request(std::string_view text, const ScipModel& model) {
+  if (text.size() < 2) {
+    return false;
+  }
+  const bool is_single = text[0] == 'M' || text[0] == 'G';
+  const bool has_echoes = model.has_echoes && (text[0] == 'N' || text[0] == 'H');
+  return (is_single || has_echoes) && (text[1] == 'D' || text[1] == 'E' || (text[1] == 'S' && is_single));
 }
 
 std::string ScanRequest::echo(int left) const {
@@ -48,7 +53,8 @@ std::string ScanRequest::echo(int left) const {
 ScanRequest parse_scan_request(std::string_view text, const ScipModel& model) {
   ScanRequest request;
   request.text = text;
-  request.is_stream = text[0] == 'M';
+  request.is_stream = text[0] == 'M' || text[0] == 'N';
+  request.has_echoes = text[0] == 'N' || text[0] == 'H';
   request.reading = text[1];
   const std::string_view numbers = text.substr(0, text.find(';'));
   if (numbers.size() != (request.is_stream ? kStreamCharacters : kGetCharacters)) {

@@ -15,6 +15,10 @@ using scip::answer;
 using scip::key_line;
 
 constexpr std::array<int, 6> kRatesBaud{19200, 57600, 115200, 250000, 500000, 750000};
+constexpr std::int64_t kRebootPatienceNs = 1'000'000'000;
+constexpr std::int64_t kBootNs = 2'000'000'000;
+constexpr const char* kUndefined = "0E";
+constexpr const char* kDenied = "10";
 
 }  // namespace
 
@@ -23,21 +27,25 @@ std::string ScipDevice::reply_to(const std::string& line, std::int64_t now_ns) {
     in_scip1_ = line != "SCIP2.0";
     return line + (in_scip1_ ? "\nE\n\n" : "\n0\n\n");
   }
-  if (line.starts_with("TM") || in_time_mode_) {
-    return reply_in_time_mode(line, now_ns);
+  const std::string command = line.substr(0, line.find(';'));
+  if (line.starts_with("TM")) {
+    return reply_to_time(line, now_ns);
   }
-  if (scip::is_scan_request(line)) {
+  const bool is_reset = command == "RS" || command == "RT" || command == "RB";
+  if (in_time_mode_ && !model_.is_newer) {
+    return answer(line, kUndefined);
+  }
+  if (const std::optional<std::string> told = told_of_itself(line, now_ns)) {
+    return *told;
+  }
+  if (in_time_mode_ && !is_reset) {
+    return answer(line, kDenied);
+  }
+  if (scip::is_scan_request(line, model_)) {
     return scan_reply(line, now_ns);
   }
-  const std::string command = line.substr(0, line.find(';'));
-  if (command == "VV") {
-    return line + '\n' + version();
-  }
-  if (command == "PP") {
-    return line + '\n' + parameters();
-  }
-  if (command == "II") {
-    return line + '\n' + state(now_ns);
+  if (command == "RB" && model_.is_newer) {
+    return reply_to_reboot(line, now_ns);
   }
   if (command == "BM") {
     return answer(line, std::exchange(laser_on_, true) ? "02" : "00");
@@ -53,21 +61,52 @@ std::string ScipDevice::reply_to(const std::string& line, std::int64_t now_ns) {
   return answer(line, status_of_setting(command));
 }
 
-std::string ScipDevice::reply_in_time_mode(const std::string& line, std::int64_t now_ns) {
-  if (line == "TM0") {
+std::optional<std::string> ScipDevice::told_of_itself(const std::string& line, std::int64_t now_ns) const {
+  const std::string command = line.substr(0, line.find(';'));
+  if (command == "VV") {
+    return line + '\n' + version();
+  }
+  if (command == "PP") {
+    return line + '\n' + parameters();
+  }
+  if (command == "II") {
+    return line + '\n' + state(now_ns);
+  }
+  return std::nullopt;
+}
+
+std::string ScipDevice::reply_to_reboot(const std::string& line, std::int64_t now_ns) {
+  if (!first_reboot_ns_ || now_ns - *first_reboot_ns_ > kRebootPatienceNs) {
+    first_reboot_ns_ = now_ns;
+    return answer(line, "01");
+  }
+  restart(now_ns);
+  deaf_until_ns_ = now_ns + kBootNs;
+  return answer(line, "00");
+}
+
+// By the protocol's paper only a laser in its time mode tells the time; the newer ones do so always, but don't leave a
+// stream for that mode.
+std::string ScipDevice::reply_to_time(const std::string& line, std::int64_t now_ns) {
+  const std::string command = line.substr(0, line.find(';'));
+  if (command == "TM0" && model_.is_newer && stream_) {
+    return answer(line, kDenied);
+  }
+  if (command == "TM0") {
     const bool was_in = std::exchange(in_time_mode_, true);
     laser_on_ = false;
     stream_.reset();
     return answer(line, was_in ? "02" : "00");
   }
-  if (line == "TM1") {
-    return in_time_mode_ ? line + '\n' + scip::summed("00") + scip::summed(scip::encoded(counter_ms(now_ns), 4)) + '\n'
-                         : answer(line, "04");
+  if (command == "TM1") {
+    return in_time_mode_ || model_.is_newer
+               ? line + '\n' + scip::summed("00") + scip::summed(scip::encoded(counter_ms(now_ns), 4)) + '\n'
+               : answer(line, "04");
   }
-  if (line == "TM2") {
+  if (command == "TM2") {
     return answer(line, std::exchange(in_time_mode_, false) ? "00" : "03");
   }
-  return answer(line, line.starts_with("TM") ? "01" : "0E");
+  return answer(line, "01");
 }
 
 std::string ScipDevice::status_of_setting(const std::string& line) {
@@ -91,7 +130,7 @@ std::string ScipDevice::status_of_setting(const std::string& line) {
   if (line == "HS0" || line == "HS1") {
     return "00";
   }
-  return line.starts_with("HS") ? "01" : "0E";
+  return line.starts_with("HS") ? "01" : kUndefined;
 }
 
 std::string ScipDevice::version() const {

@@ -13,6 +13,7 @@ namespace odoless {
 namespace {
 
 constexpr std::size_t kLineMax = 80;
+constexpr double kEdgeM = 0.2;  ///< neighbours that far apart are seen by one beam
 
 }  // namespace
 
@@ -40,6 +41,7 @@ void ScipDevice::reset_state(bool is_power_up) {
   in_time_mode_ = false;
   stream_.reset();
   line_free_ns_ = 0;
+  first_reboot_ns_.reset();
   line_.clear();
 }
 
@@ -96,12 +98,25 @@ void ScipDevice::send_scan(std::int64_t index) {
 
 std::uint32_t ScipDevice::value_mm(std::size_t first_beam, std::size_t count) const {
   const auto begin = ranges_m_.begin() + static_cast<std::ptrdiff_t>(first_beam);
-  const double range_m = *std::min_element(begin, begin + static_cast<std::ptrdiff_t>(count));
+  return code_of(*std::min_element(begin, begin + static_cast<std::ptrdiff_t>(count)));
+}
+
+std::uint32_t ScipDevice::code_of(double range_m) const {
   if (range_m * 1000.0 >= model_.range_far_mm) {
     return static_cast<std::uint32_t>(model_.far_code);
   }
   const long range_mm = std::lround(range_m * 1000.0);
   return static_cast<std::uint32_t>(range_mm < model_.range_min_mm ? model_.near_code : range_mm);
+}
+
+std::vector<std::uint32_t> ScipDevice::echoes_mm(std::size_t beam) const {
+  const double range_m = ranges_m_[beam];
+  const double next_m = ranges_m_[std::min(beam + 1, ranges_m_.size() - 1)];
+  const double far_m = model_.range_far_mm / 1000.0;
+  if (range_m >= far_m || next_m >= far_m || std::abs(range_m - next_m) < kEdgeM) {
+    return {code_of(range_m)};
+  }
+  return {code_of(std::min(range_m, next_m)), code_of(std::max(range_m, next_m))};
 }
 
 std::string ScipDevice::frame(const scip::ScanRequest& request, std::string_view head, std::int64_t index) {
@@ -118,18 +133,28 @@ std::string ScipDevice::frame(const scip::ScanRequest& request, std::string_view
     const int count = std::min(request.cluster, last_step - step + 1);
     const int first_beam = step - model_.first_step;
     const bool is_seen = first_beam >= 0;  // what a client asks for before the first step is blind
-    data += scip::encoded(is_seen ? value_mm(static_cast<std::size_t>(first_beam), static_cast<std::size_t>(count)) : 0,
-                          characters);
-    data += request.reading == 'E' ? scip::encoded(kIntensity, characters) : "";
+    const auto beam = static_cast<std::size_t>(std::max(first_beam, 0));
+    std::vector<std::uint32_t> values{is_seen ? value_mm(beam, static_cast<std::size_t>(count)) : 0};
+    if (request.has_echoes && is_seen && count == 1) {
+      values = echoes_mm(beam);
+    }
+    for (std::size_t echo = 0; echo < values.size(); ++echo) {
+      data += echo == 0 ? "" : "&";
+      data += scip::encoded(values[echo], characters);
+      data += request.reading == 'E' ? scip::encoded(kIntensity, characters) : "";
+    }
   }
   return std::string(head) + scip::summed(scip::encoded(counter_ms(start_ns), 4)) + scip::data_lines(data) + '\n';
 }
 
 void ScipDevice::hear(std::string_view bytes, std::int64_t now_ns) {
+  if (now_ns < deaf_until_ns_) {
+    return;
+  }
   for (const char c : bytes) {
     if (c != '\n' && c != '\r') {
       line_.append(line_.size() < kLineMax ? 1U : 0U, c);
-    } else if (!line_.empty()) {
+    } else if (!line_.empty() && now_ns >= deaf_until_ns_) {
       execute(std::exchange(line_, {}), now_ns);
     }
   }

@@ -12,7 +12,8 @@
 
 namespace odoless {
 
-/// A laser that speaks SCIP 2.0. Knows every command of the protocol that a client needs.
+/// A laser that speaks SCIP 2.0. Knows every command of the protocol that a client needs. Rebooted (RB, twice within a
+/// second) it is deaf for two seconds.
 class ScipDevice final : public EmulatedLrf {
  public:
   /// `source` must outlive it.
@@ -28,7 +29,10 @@ class ScipDevice final : public EmulatedLrf {
 
   void execute(const std::string& line, std::int64_t now_ns);
   [[nodiscard]] std::string reply_to(const std::string& line, std::int64_t now_ns);
-  [[nodiscard]] std::string reply_in_time_mode(const std::string& line, std::int64_t now_ns);
+  [[nodiscard]] std::string reply_to_time(const std::string& line, std::int64_t now_ns);
+  [[nodiscard]] std::string reply_to_reboot(const std::string& line, std::int64_t now_ns);
+  /// What every laser answers always, and the newer ones in time mode, too.
+  [[nodiscard]] std::optional<std::string> told_of_itself(const std::string& line, std::int64_t now_ns) const;
   [[nodiscard]] std::string status_of_setting(const std::string& line);
   [[nodiscard]] std::string version() const;
   [[nodiscard]] std::string parameters() const;
@@ -39,6 +43,9 @@ class ScipDevice final : public EmulatedLrf {
   [[nodiscard]] std::int64_t transfer_ns() const;
   [[nodiscard]] std::string frame(const scip::ScanRequest& request, std::string_view head, std::int64_t index);
   [[nodiscard]] std::uint32_t value_mm(std::size_t first_beam, std::size_t count) const;
+  [[nodiscard]] std::uint32_t code_of(double range_m) const;
+  /// All that one beam saw, the nearest first: two things where it hit an edge.
+  [[nodiscard]] std::vector<std::uint32_t> echoes_mm(std::size_t beam) const;
 
   void send_scan(std::int64_t index);
   void reset_state(bool is_power_up);
@@ -58,6 +65,8 @@ class ScipDevice final : public EmulatedLrf {
   bool in_time_mode_ = false;
   bool is_on_rs232_;
   int baud_;
+  std::optional<std::int64_t> first_reboot_ns_;  ///< when it was asked for the first of two times
+  std::int64_t deaf_until_ns_ = 0;
   std::int64_t line_free_ns_ = 0;  ///< a scan that is measured before is left out
 
   std::int64_t clock_host_ns_;    ///< the device's clock was set or changed its pace then ...

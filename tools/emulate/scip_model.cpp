@@ -7,7 +7,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<ScipModel, 2> kModels{{
+constexpr std::array<ScipModel, 3> kModels{{
     {.name = "utm-30lx",
      .product = "UTM-30LX",
      .range_min_mm = 23,
@@ -21,7 +21,25 @@ constexpr std::array<ScipModel, 2> kModels{{
      .boots_in_scip1 = false,
      .far_code = 1,
      .near_code = 2,
-     .range_sd_m = 0.010},
+     .range_sd_m = 0.010,
+     .is_newer = true,
+     .has_echoes = false},
+    {.name = "utm-30lx-ew",
+     .product = "UTM-30LX-EW",
+     .range_min_mm = 23,
+     .range_max_mm = 60000,
+     .range_far_mm = 30000,
+     .steps_per_turn = 1440,
+     .first_step = 0,
+     .last_step = 1080,
+     .front_step = 540,
+     .turns_per_minute = 2400,
+     .boots_in_scip1 = false,
+     .far_code = 1,
+     .near_code = 2,
+     .range_sd_m = 0.010,
+     .is_newer = true,
+     .has_echoes = true},
     {.name = "urg-04lx",
      .product = "URG-04LX",
      .range_min_mm = 20,
@@ -35,7 +53,9 @@ constexpr std::array<ScipModel, 2> kModels{{
      .boots_in_scip1 = true,
      .far_code = 0,
      .near_code = 7,
-     .range_sd_m = 0.010},
+     .range_sd_m = 0.010,
+     .is_newer = false,
+     .has_echoes = false},
 }};
 
 }  // namespace

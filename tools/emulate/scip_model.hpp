@@ -26,6 +26,8 @@ struct ScipModel {
   int far_code;         ///< what it sends where nothing was hit
   int near_code;        ///< what it sends where it can say nothing
   double range_sd_m;    ///< standard deviation of one range
+  bool is_newer;        ///< tells its time, and who it is, in whichever mode it is, and can be rebooted (RB)
+  bool has_echoes;      ///< tells several echoes of one beam (ND, NE, HD, HE)
 
   [[nodiscard]] int beams() const { return last_step - first_step + 1; }
   [[nodiscard]] std::int64_t turn_ns() const { return 60'000'000'000 / turns_per_minute; }

@@ -22,6 +22,7 @@ class ServoStream final : public ServoLine {
 
   [[nodiscard]] int descriptor() override { return line_->has_client() ? line_->descriptor() : -1; }
   [[nodiscard]] bool has_waiting() const override { return !waiting_.empty(); }
+  [[nodiscard]] int baud() override { return line_->baud(); }
 
   [[nodiscard]] std::vector<ServoFrame> read() override {
     flush();
@@ -123,6 +124,7 @@ pollfd waits_for(ServoLine& line) {
 }
 
 void LoopedServo::step(std::int64_t now_ns) {
+  servo_.set_line_baud(line_.baud());
   for (const ServoFrame& frame : line_.read()) {
     servo_.receive(frame, now_ns);
   }

@@ -24,6 +24,8 @@ class ServoLine {
 
   /// To be waited for; -1: nobody is there.
   [[nodiscard]] virtual int descriptor() = 0;
+  /// The rate that the client has set; 0: none of the standard ones, or the line has no rate.
+  [[nodiscard]] virtual int baud() { return 0; }
   /// What has come, in order.
   [[nodiscard]] virtual std::vector<ServoFrame> read() = 0;
   /// Writes at once what the line takes; a CAN bus that is full drops it, another line takes the rest later.

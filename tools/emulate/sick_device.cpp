@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -27,6 +28,8 @@ constexpr std::size_t kStateBytes = 151;
 constexpr int kStatus = 0x10;                    ///< of this kind of device, without complaint
 constexpr std::int64_t kHearsNs = 10'000'000;    ///< before it says that it has heard; the manual allows 60 ms
 constexpr std::int64_t kAnswersNs = 30'000'000;  ///< from then on to its answer
+constexpr std::int64_t kBootNs = 1'000'000'000;  ///< until it hears again
+constexpr int kRequestMode = 0x25;
 constexpr int kAck = 0x06;
 constexpr int kNak = 0x15;
 constexpr std::string_view kPassword = "SICK_LMS";
@@ -85,28 +88,40 @@ SickDevice::SickDevice(const SickModel& model, EmulatedScans& source, EmulatedLr
       model_(model),
       variant_(model.variant),
       configuration_(kConfigurationBytes, '\0') {
-  restart(0);
+  power_up();
 }
 
-void SickDevice::restart(std::int64_t now_ns) {
+void SickDevice::power_up() {
   received_.clear();
   installing_ = false;
-  streams_ = false;
+  output_.reset();
+  mode_ = kRequestMode;
   baud_ = 9600;
   next_baud_ = baud_;
   variant_ = model_.variant;
-  if (now_ns > 0) {
-    send(telegram(message(0x90, model_.product)), now_ns);
-  }
+}
+
+void SickDevice::restart(std::int64_t now_ns) {
+  forget_later();
+  boot(now_ns);
+}
+
+void SickDevice::boot(std::int64_t now_ns) {
+  power_up();
+  const std::string is_on = telegram(message(0x90, model_.product));
+  deaf_until_ns_ = now_ns + kBootNs;
+  line_free_ns_ = deaf_until_ns_ + static_cast<std::int64_t>(is_on.size()) * 10 * 1'000'000'000 / baud_;
+  send_later(is_on, line_free_ns_);
 }
 
 std::int64_t SickDevice::transfer_ns() const {
-  const std::size_t bytes = kHead + variant_.payload_bytes() + kSum;
+  const std::size_t bytes = output_ ? output_->telegram_bytes() : kHead + variant_.payload_bytes() + kSum;
   return static_cast<std::int64_t>(bytes) * 10 * 1'000'000'000 / baud_;
 }
 
 std::int64_t SickDevice::measured_ns(std::int64_t index) const {
-  return origin_ns() + source().start_ns(index) + (variant_.turns() - 1) * sick::kTurnNs +
+  const int turns = output_ ? output_->turns(variant_) : variant_.turns();
+  return origin_ns() + source().start_ns(index) + (turns - 1) * sick::kTurnNs +
          sick::kTurnNs * variant_.field_of_view_cdeg / 36000;
 }
 
@@ -114,12 +129,42 @@ std::int64_t SickDevice::due_ns(std::int64_t index) const { return measured_ns(i
 
 void SickDevice::on_due(std::int64_t index) {
   const std::int64_t start_ns = origin_ns() + source().start_ns(index);
-  if (!streams_ || measured_ns(index) < line_free_ns_ || start_ns < next_start_ns_) {
+  if (!streams() || measured_ns(index) < line_free_ns_ || start_ns < next_start_ns_) {
     return;
   }
-  next_start_ns_ = start_ns + variant_.turns() * sick::kTurnNs - sick::kTurnNs / 2;
+  const SickOutput output = *output_;
+  next_start_ns_ = start_ns + output.turns(variant_) * sick::kTurnNs - sick::kTurnNs / 2;
+  collect(index);
+  if (collected_ < output.scans) {
+    return;
+  }
   line_free_ns_ = due_ns(index);
-  send_piece(frame(index), SentScan{index, start_ns}, due_ns(index));
+  const bool is_scan = !output.is_mean() && !output.by_turns;
+  send_piece(frame(index), is_scan ? std::optional(SentScan{index, start_ns}) : std::nullopt, due_ns(index));
+  collected_ = 0;
+  if (std::exchange(is_once_, false)) {
+    output_.reset();
+  }
+}
+
+void SickDevice::collect(std::int64_t index) {
+  beams_ = sick_beams(variant_);
+  if (output_->by_turns) {
+    const std::vector<EmulatedBeam> all = std::exchange(beams_, {});
+    for (auto i = static_cast<std::size_t>(part_of(index)); i < all.size();
+         i += static_cast<unsigned>(variant_.turns())) {
+      beams_.push_back({all[i].angle_rad, all[i].time_ns - part_of(index) * sick::kTurnNs});
+    }
+  }
+  ranges_m_.resize(beams_.size());
+  measure(index, beams_, ranges_m_, due_ns(index));
+  if (collected_++ == 0) {
+    sums_m_.assign(ranges_m_.size(), 0.0);
+  }
+  for (std::size_t i = 0; i < ranges_m_.size(); ++i) {
+    const double far_m = std::numeric_limits<double>::infinity();  // a mean with what is too far is too far
+    sums_m_[i] += ranges_m_[i] >= model_.range_far_m ? far_m : ranges_m_[i];
+  }
 }
 
 unsigned SickDevice::value(double range_m) const {
@@ -128,20 +173,36 @@ unsigned SickDevice::value(double range_m) const {
   return range_m >= model_.range_far_m || counted >= codes ? codes : static_cast<unsigned>(counted);
 }
 
-std::string SickDevice::frame(std::int64_t index) {
-  beams_ = sick_beams(variant_);
-  ranges_m_.resize(beams_.size());
-  measure(index, beams_, ranges_m_, due_ns(index));
-  const std::size_t sent = fault(FaultKind::kBeams, due_ns(index)) ? beams_.size() * 2 / 3 : beams_.size();
-  std::string payload = message(0xB0, {});
-  put(payload, static_cast<unsigned>(sent) | (in_mm() ? 0x4000U : 0U));
-  for (std::size_t i = 0; i < sent; ++i) {
-    put(payload, value(ranges_m_[i]));
+std::string SickDevice::frame(std::int64_t index) const {
+  const SickOutput& output = *output_;
+  const auto first = static_cast<std::size_t>(output.first - 1);
+  const std::size_t last = output.by_turns ? sums_m_.size() : static_cast<std::size_t>(output.last);
+  const std::size_t wished = last - first;
+  const std::size_t sent = fault(FaultKind::kBeams, due_ns(index)) ? wished * 2 / 3 : wished;
+  const bool is_part = output.is_part();
+  constexpr unsigned kPartOfScan = 0x2000;
+  const unsigned part = output.by_turns && variant_.turns() > 1
+                            ? kPartOfScan | static_cast<unsigned>(part_of(index) * 4 / variant_.turns()) << 11U
+                            : 0U;
+  std::string payload = message(output.answer, {});
+  if (output.is_mean()) {
+    payload += byte(output.scans);
+  }
+  if (is_part) {
+    put(payload, static_cast<unsigned>(output.first));
+    put(payload, static_cast<unsigned>(output.last));
+  }
+  put(payload, static_cast<unsigned>(sent) | part | (in_mm() ? 0x4000U : 0U));
+  for (std::size_t i = first; i < first + sent; ++i) {
+    put(payload, value(sums_m_[i] / output.scans));
   }
   return telegram(payload);
 }
 
 void SickDevice::hear(std::string_view bytes, std::int64_t now_ns) {
+  if (now_ns < deaf_until_ns_) {
+    return;
+  }
   received_ += bytes;
   while (take_request(now_ns)) {
   }
@@ -180,18 +241,25 @@ bool SickDevice::take_request(std::int64_t now_ns) {
 
 void SickDevice::execute(std::string_view payload, std::int64_t now_ns) {
   const std::int64_t byte_ns = 10 * 1'000'000'000LL / baud_;
-  const std::string answer = telegram(answer_to(payload, now_ns));
+  const std::optional<std::string> answer = answer_to(payload, now_ns);
   const std::int64_t heard_ns = std::max(now_ns + kHearsNs, line_free_ns_) + byte_ns;
-  line_free_ns_ = heard_ns + kAnswersNs + static_cast<std::int64_t>(answer.size()) * byte_ns;
+  line_free_ns_ = heard_ns;
   send_later(message(kAck, {}), heard_ns);
-  send_later(answer, line_free_ns_);
+  if (answer) {
+    const std::string bytes = telegram(*answer);
+    line_free_ns_ = heard_ns + kAnswersNs + static_cast<std::int64_t>(bytes.size()) * byte_ns;
+    send_later(bytes, line_free_ns_);
+  }
   baud_ = next_baud_;
+  if (std::exchange(resets_, false)) {
+    boot(line_free_ns_);
+  }
 }
 
-std::string SickDevice::answer_to(std::string_view payload, std::int64_t now_ns) {
+std::optional<std::string> SickDevice::answer_to(std::string_view payload, std::int64_t now_ns) {
   switch (static_cast<unsigned char>(payload[0])) {
     case 0x10:
-      restart(0);
+      resets_ = true;
       return message(0x91, {});
     case 0x20:
       return set_mode(payload, now_ns);
@@ -206,8 +274,22 @@ std::string SickDevice::answer_to(std::string_view payload, std::int64_t now_ns)
     case 0x77:
       return set_configuration(payload);
     default:
-      return message(0x92, {});
+      return request_once(payload, now_ns);
   }
+}
+
+// It sends nothing by itself then, and a scan when it is asked for one.
+std::optional<std::string> SickDevice::request_once(std::string_view payload, std::int64_t now_ns) {
+  const std::optional<SickOutput> wished =
+      sick_requested(static_cast<unsigned char>(payload[0]), payload.substr(1), variant_);
+  if (!wished || mode_ != kRequestMode || streams()) {
+    return message(0x92, {});
+  }
+  output_ = wished;
+  is_once_ = true;
+  collected_ = 0;
+  start_source(now_ns);
+  return std::nullopt;
 }
 
 std::string SickDevice::set_mode(std::string_view payload, std::int64_t now_ns) {
@@ -216,14 +298,15 @@ std::string SickDevice::set_mode(std::string_view payload, std::int64_t now_ns) 
   switch (mode) {
     case 0x00:
       installing_ = payload.substr(2) == kPassword;
-      return result(installing_ ? 0 : 1);
-    case 0x24:
-    case 0x25:
-      installing_ = false;
-      streams_ = mode == 0x24;
-      if (streams_) {
-        start_source(now_ns);
+      if (installing_) {
+        mode_ = mode;
+        output_.reset();
       }
+      return result(installing_ ? 0 : 1);
+    case kRequestMode:
+      installing_ = false;
+      mode_ = mode;
+      output_.reset();
       return result(0);
     case 0x40:
       next_baud_ = 38400;
@@ -238,8 +321,21 @@ std::string SickDevice::set_mode(std::string_view payload, std::int64_t now_ns) 
       next_baud_ = 500000;
       return result(0);
     default:
-      return result(2);
+      return stream(mode, payload.substr(std::min<std::size_t>(2, payload.size())), now_ns) ? result(0) : result(2);
   }
+}
+
+bool SickDevice::stream(int mode, std::string_view parameters, std::int64_t now_ns) {
+  const std::optional<SickOutput> wished = sick_streamed(mode, parameters, variant_);
+  if (!wished) {
+    return false;
+  }
+  installing_ = is_once_ = false;
+  mode_ = mode;
+  output_ = wished;
+  collected_ = 0;
+  start_source(now_ns);
+  return true;
 }
 
 std::string SickDevice::set_variant(std::string_view payload) {
@@ -250,7 +346,7 @@ std::string SickDevice::set_variant(std::string_view payload) {
   const bool step_is_known = wished.step_cdeg == 100 || wished.step_cdeg == 50 ||
                              (wished.step_cdeg == 25 && wished.field_of_view_cdeg == 10000);
   const bool is_known =
-      step_is_known && (wished.field_of_view_cdeg == 18000 || wished.field_of_view_cdeg == 10000) && !streams_;
+      step_is_known && (wished.field_of_view_cdeg == 18000 || wished.field_of_view_cdeg == 10000) && !streams();
   variant_ = is_known ? wished : variant_;
   std::string answer = message(0xBB, std::string(1, byte(is_known ? 1 : 0)));
   answer.append(payload.substr(1));
@@ -272,7 +368,8 @@ std::string SickDevice::state() const {
   std::string state(kStateBytes, '\0');
   state[0] = '\xB1';
   std::copy_n("V02.30 ", 7, state.begin() + 1);
-  state[8] = byte(streams_ ? 0x24 : 0x25);
+  state[8] = byte(mode_);
+  state[102] = configuration_[5];
   state[107] = byte(variant_.field_of_view_cdeg / 100);
   state[109] = byte(variant_.step_cdeg);
   state[122] = configuration_[6];

@@ -16,6 +16,7 @@ class TracedServo final : public EmulatedServo {
   void tick(std::int64_t now_ns) override;
   [[nodiscard]] std::int64_t next_event_ns() const override { return servo_->next_event_ns(); }
   [[nodiscard]] std::vector<ServoFrame> take_output() override { return servo_->take_output(); }
+  void set_line_baud(int baud) override { servo_->set_line_baud(baud); }
   [[nodiscard]] double angle_rad() const override { return servo_->angle_rad(); }
   [[nodiscard]] double velocity_radps() const override { return servo_->velocity_radps(); }
 

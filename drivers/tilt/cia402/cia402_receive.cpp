@@ -17,6 +17,9 @@ constexpr int kVelocityBytes = 4;
 }  // namespace
 
 void Cia402Session::receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, TiltSink& sink) {
+  if (is_finished()) {
+    return;
+  }
   const std::optional<CanFrame> frame = to_can_frame(bytes);
   if (!frame) {
     counters_.reject(Errc::kFrameMalformed, sink);
@@ -116,7 +119,7 @@ void Cia402Session::on_status(const CanFrame& frame, std::int64_t arrival_ns, Ti
   if (phase_ == Phase::kStart) {
     enter(homed_ ? Phase::kRun : Phase::kHomingMode, arrival_ns);
   }
-  if (phase_ == Phase::kRun) {
+  if (phase_ == Phase::kRun || phase_ == Phase::kEnd) {
     pass_on(scale_.angle_rad(static_cast<std::int32_t>(canopen::get(frame, 2, 4))), arrival_ns, sink);
   }
   follow_power(arrival_ns, sink);

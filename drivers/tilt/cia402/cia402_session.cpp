@@ -56,6 +56,39 @@ void Cia402Session::command(TiltCommand command, std::int64_t now_ns) {
   }
 }
 
+// A drive that is brought up was told to stop by its first setting.
+void Cia402Session::finish(TiltEnd end, std::int64_t now_ns) {
+  const bool can_move = phase_ == Phase::kRun && !in_fault_;
+  end_ = end == TiltEnd::kLevel && !can_move ? TiltEnd::kHold : end;
+  motion_.command(end_ == TiltEnd::kLevel ? TiltCommand::kLevel : TiltCommand::kStop, now_ns);
+  if (is_cyclic()) {
+    next_sync_ns_ = now_ns;
+    enter(Phase::kEnd, now_ns);
+    return;
+  }
+  sdo_.cancel();
+  if (was_reset_ && end_ == TiltEnd::kRelease) {
+    send(canopen::sdo_write(params_.id, cia402::kControlWord, cia402::kDisableVoltage, 2));
+  }
+  phase_ = Phase::kEnded;
+}
+
+bool Cia402Session::is_left_as_wished() const {
+  const std::optional<cia402::PowerState> power = drive_.power();
+  if (!power || sdo_.busy()) {
+    return false;
+  }
+  switch (end_) {
+    case TiltEnd::kLevel:
+      return drive_.has_taken(scale_.position_counts(motion_.target_rad()));
+    case TiltEnd::kHold:
+      return !drive_.enabled();
+    case TiltEnd::kRelease:
+      break;
+  }
+  return !drive_.enabled() && power != cia402::PowerState::kQuickStop;
+}
+
 void Cia402Session::send(const CanFrame& frame) {
   if (waiting_out_ < outbox_.size()) {
     outbox_[(first_out_ + waiting_out_) % outbox_.size()] = frame;
@@ -92,6 +125,7 @@ void Cia402Session::enter(Phase phase, std::int64_t now_ns) {
       break;
     case Phase::kSetUp:
       setting_ = 0;
+      has_heartbeat_ = true;
       next_setting(now_ns);
       break;
     case Phase::kReadMark:
@@ -119,6 +153,14 @@ void Cia402Session::enter(Phase phase, std::int64_t now_ns) {
       not_enabled_since_ns_ = now_ns;
       motion_.start(now_ns);
       break;
+    case Phase::kEnd:
+      if (params_.master_id != 0) {
+        sdo_.write(cia402::kWatchedHeartbeat, 0, 4, now_ns);
+      }
+      break;
+    case Phase::kEnded:
+      sdo_.cancel();
+      break;
     case Phase::kPause:
       ready_ = false;
       sdo_.cancel();
@@ -129,6 +171,9 @@ void Cia402Session::enter(Phase phase, std::int64_t now_ns) {
 }
 
 void Cia402Session::give_up(Errc reason, std::int64_t now_ns, TiltSink& sink) {
+  if (phase_ == Phase::kEnd) {
+    return enter(Phase::kEnded, now_ns);
+  }
   if (ready_ || !silence_told_) {
     sink.on_event({.type = TiltEventType::kLost, .reason = reason});
   }
@@ -150,6 +195,16 @@ void Cia402Session::next_setting(std::int64_t now_ns) {
   }
   const cia402::Setting& setting = settings[setting_];
   sdo_.write(setting.object, setting.value, setting.size_bytes, now_ns);
+}
+
+void Cia402Session::on_setting(bool was_refused, std::int64_t now_ns, TiltSink& sink) {
+  if (const std::optional<TiltLack> lack = was_refused ? set_up_.lack_without(setting_) : std::nullopt; lack) {
+    has_heartbeat_ = has_heartbeat_ && *lack != TiltLack::kHeartbeat;
+    sink.on_event(
+        {.type = TiltEventType::kDoesWithout, .reason = Errc::kDeviceStatus, .code = static_cast<std::int64_t>(*lack)});
+  }
+  setting_ = set_up_.next(setting_, was_refused);
+  next_setting(now_ns);
 }
 
 void Cia402Session::on_found(std::int64_t now_ns, TiltSink& sink) {
@@ -177,6 +232,9 @@ void Cia402Session::on_sdo(SdoClient::Outcome outcome, std::int64_t now_ns, Tilt
     send_sdo();
     return;
   }
+  if (phase_ == Phase::kEnd) {
+    return;  // watched or not, it is left
+  }
   if (phase_ == Phase::kRun) {  // the code of a fault was asked for
     const std::int64_t code = outcome == SdoClient::Outcome::kDone ? std::int64_t{sdo_.value()} : -1;
     counters_.tell_device_error(TiltError::kFault, code, sink);
@@ -193,8 +251,7 @@ void Cia402Session::on_sdo(SdoClient::Outcome outcome, std::int64_t now_ns, Tilt
   if (phase_ == Phase::kFind) {
     on_found(now_ns, sink);
   } else if (phase_ == Phase::kSetUp) {
-    ++setting_;
-    next_setting(now_ns);
+    on_setting(aborted, now_ns, sink);
   } else if (phase_ == Phase::kReadMark) {
     homed_ = !aborted && sdo_.value() == cia402::zero_mark(params_.homing_method);
     enter(Phase::kStart, now_ns);
@@ -209,6 +266,9 @@ void Cia402Session::on_sdo(SdoClient::Outcome outcome, std::int64_t now_ns, Tilt
 }
 
 Drive::Goal Cia402Session::goal() const {
+  if (phase_ == Phase::kEnd && end_ == TiltEnd::kRelease) {
+    return Drive::Goal::kRelease;
+  }
   if (motion_.command() == TiltCommand::kStop || in_fault_) {
     return Drive::Goal::kStop;
   }
@@ -216,6 +276,7 @@ Drive::Goal Cia402Session::goal() const {
     case Phase::kHoming:
       return drive_.mode() == static_cast<std::int8_t>(cia402::kHoming) ? Drive::Goal::kHome : Drive::Goal::kWait;
     case Phase::kRun:
+    case Phase::kEnd:
       return drive_.mode() == static_cast<std::int8_t>(cia402::kProfilePosition) ? Drive::Goal::kMove
                                                                                  : Drive::Goal::kWait;
     default:
@@ -253,7 +314,7 @@ void Cia402Session::watch(std::int64_t now_ns, TiltSink& sink) {
   if (!is_cyclic()) {
     return;
   }
-  const bool silent = now_ns - heard_heartbeat_ns_ >= 3 * params_.heartbeat_period_ns;
+  const bool silent = has_heartbeat_ && now_ns - heard_heartbeat_ns_ >= 3 * params_.heartbeat_period_ns;
   const bool no_status = phase_ != Phase::kStart && unanswered_syncs_ >= kUnansweredMax;
   if (silent || no_status) {
     give_up(Errc::kDeviceSilent, now_ns, sink);
@@ -269,6 +330,8 @@ void Cia402Session::advance(std::int64_t now_ns, TiltSink& sink) {
     enter(Phase::kFind, now_ns);
   } else if (phase_ == Phase::kStart && now_ns >= phase_end_ns_) {
     give_up(Errc::kDeviceSilent, now_ns, sink);
+  } else if (phase_ == Phase::kEnd && is_left_as_wished()) {
+    enter(Phase::kEnded, now_ns);
   } else if (phase_ == Phase::kHoming) {
     const HomingState homing = drive_.homing();
     if (homing == HomingState::kAttained) {
@@ -293,7 +356,7 @@ void Cia402Session::tick(std::int64_t now_ns, TiltSink& sink) {
   if (now_ns < next_deadline_ns()) {
     return;
   }
-  if (params_.master_id != 0 && now_ns >= next_heartbeat_ns_) {
+  if (sends_heartbeat() && now_ns >= next_heartbeat_ns_) {
     next_heartbeat_ns_ = std::max(next_heartbeat_ns_ + params_.heartbeat_period_ns, now_ns + 1);
     send(canopen::heartbeat(params_.master_id, NodeState::kOperational));
   }
@@ -312,7 +375,7 @@ std::int64_t Cia402Session::next_deadline_ns() const {
     return kNever;
   }
   std::int64_t deadline_ns = is_cyclic() ? next_sync_ns_ : phase_ == Phase::kPause ? phase_end_ns_ : kNever;
-  if (params_.master_id != 0) {
+  if (sends_heartbeat()) {
     deadline_ns = std::min(deadline_ns, next_heartbeat_ns_);
   }
   if (sdo_.busy()) {

@@ -31,6 +31,8 @@ class Cia402Session final : public TiltSession {
 
   void reset(std::int64_t now_ns) override;
   void command(TiltCommand command, std::int64_t now_ns) override;
+  void finish(TiltEnd end, std::int64_t now_ns) override;
+  [[nodiscard]] bool is_finished() const override { return phase_ == Phase::kEnded; }
   void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, TiltSink& sink) override;
   [[nodiscard]] std::span<const std::byte> transmit() override;
   void tick(std::int64_t now_ns, TiltSink& sink) override;
@@ -49,7 +51,9 @@ class Cia402Session final : public TiltSession {
     kProfileMode,
     kWriteMark,
     kRun,
+    kEnd,  ///< the last of those with a SYNC
     kPause,
+    kEnded,
   };
 
   void send(const CanFrame& frame);
@@ -64,6 +68,7 @@ class Cia402Session final : public TiltSession {
   void on_found(std::int64_t now_ns, TiltSink& sink);
   [[nodiscard]] bool tolerates() const;
   void next_setting(std::int64_t now_ns);
+  void on_setting(bool was_refused, std::int64_t now_ns, TiltSink& sink);
   void on_status(const CanFrame& frame, std::int64_t arrival_ns, TiltSink& sink);
   void on_velocity(const CanFrame& frame, TiltSink& sink);
   void pass_on(double angle_rad, std::int64_t arrival_ns, TiltSink& sink);
@@ -73,8 +78,10 @@ class Cia402Session final : public TiltSession {
   void cycle(std::int64_t now_ns, TiltSink& sink);
   void watch(std::int64_t now_ns, TiltSink& sink);
   void advance(std::int64_t now_ns, TiltSink& sink);
-  [[nodiscard]] bool is_cyclic() const { return phase_ >= Phase::kStart && phase_ != Phase::kPause; }
+  [[nodiscard]] bool is_cyclic() const { return phase_ >= Phase::kStart && phase_ <= Phase::kEnd; }
+  [[nodiscard]] bool sends_heartbeat() const { return params_.master_id != 0 && phase_ != Phase::kEnded; }
   [[nodiscard]] cia402::Drive::Goal goal() const;
+  [[nodiscard]] bool is_left_as_wished() const;
 
   TiltParams params_;
   TiltScale scale_;
@@ -87,12 +94,14 @@ class Cia402Session final : public TiltSession {
 
   Phase phase_ = Phase::kPause;
   std::size_t setting_ = 0;  ///< the one that is being written
+  bool has_heartbeat_ = true;
   std::int64_t phase_end_ns_ = 0;
   bool was_reset_ = false;
   bool silence_told_ = false;
-  int failures_ = 0;    ///< bring-ups in a row
-  bool homed_ = false;  ///< as the drive's mark tells
-  bool ready_ = false;  ///< switched on once since the bring-up, or stopped as wished
+  TiltEnd end_ = TiltEnd::kHold;  ///< in kEnd
+  int failures_ = 0;              ///< bring-ups in a row
+  bool homed_ = false;            ///< as the drive's mark tells
+  bool ready_ = false;            ///< switched on once since the bring-up, or stopped as wished
   bool was_enabled_ = false;
   bool had_fault_ = false;
   bool in_fault_ = false;          ///< waits for `fault_end_ns_`

@@ -24,10 +24,10 @@ std::uint16_t Drive::control(Goal goal) {
   if (!power_) {
     return kQuickStopControl;  // holds a drive that is enabled, and enables none
   }
-  if (goal == Goal::kStop || goal == Goal::kWait) {
+  if (goal == Goal::kStop || goal == Goal::kWait || goal == Goal::kRelease) {
     waiting_cycles_ = 0;
     offers_ = false;
-    return towards_stop(*power_);
+    return goal == Goal::kRelease ? std::uint16_t{kDisableVoltage} : towards_stop(*power_);
   }
   // A drive may lack the way back from a quick stop (transition 16); then it goes through switch-on disabled.
   waiting_cycles_ = *power_ == PowerState::kQuickStop ? waiting_cycles_ + 1 : 0;

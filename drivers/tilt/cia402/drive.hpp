@@ -21,10 +21,11 @@ enum class HomingState : std::uint8_t { kUnderWay, kAttained, kFailed };
 class Drive {
  public:
   enum class Goal : std::uint8_t {
-    kStop,  ///< stopped, and kept so
-    kWait,  ///< nothing is asked of a drive with a fault, nor is one enabled that isn't
-    kMove,  ///< enabled and on its way to the target; a fault is reset
-    kHome,  ///< enabled and finding its zero
+    kStop,     ///< stopped, and kept so
+    kWait,     ///< nothing is asked of a drive with a fault, nor is one enabled that isn't
+    kMove,     ///< enabled and on its way to the target; a fault is reset
+    kHome,     ///< enabled and finding its zero
+    kRelease,  ///< without torque
   };
 
   struct Output {
@@ -38,6 +39,8 @@ class Drive {
   void on_status(const DriveStatus& status);
   /// The drive may have been stopped unseen: it is shown its target once more.
   void forget_target() { accepted_counts_.reset(); }
+  /// Whether it is on its way to that target, or there.
+  [[nodiscard]] bool has_taken(std::int32_t target_counts) const { return accepted_counts_ == target_counts; }
   /// Once per cycle. `target_counts` counts for kMove alone.
   [[nodiscard]] Output next(Goal goal, std::int32_t target_counts);
 

@@ -17,7 +17,9 @@ constexpr std::uint8_t kAtOnce = 0xFF;
 constexpr std::uint16_t kMappingOffset = 0x200;
 constexpr std::uint16_t kFirstTransmitPdo = 0x1800;
 constexpr std::uint32_t kQuickStopOnLostMaster = 3;  // 6007h
-constexpr std::uint32_t kStayInQuickStop = 6;        // 605Ah: on the quick stop slope, then hold
+constexpr std::uint32_t kStayInQuickStop = 6;        // 605Ah: on the quick stop slope, then hold ...
+constexpr std::uint32_t kStayAfterSlope = 5;         // ... or on the profile's
+constexpr std::uint32_t kTransferError = 0x05U;  // first byte of an abort code that is of the transfer, not the object
 
 constexpr std::array<std::uint32_t, 2> kCommandMapping{0x60400010, 0x607A0020};
 constexpr std::array<std::uint32_t, 3> kStatusMapping{0x60410010, 0x60640020, 0x60610008};
@@ -35,7 +37,7 @@ std::uint32_t milliseconds(std::int64_t duration_ns) {
 
 SetUp::SetUp(const TiltParams& params, const TiltScale& scale) {
   const auto node = static_cast<std::uint32_t>(params.id);
-  add({0x6040, 0}, kQuickStopControl, 2, true);  // whatever it does for whoever was here before
+  add(kControlWord, kQuickStopControl, 2, true);  // whatever it does for whoever was here before
   add({0x1005, 0}, canopen::kSyncCob, 4, true);
   add_heartbeats(params);
   add_pdo(0x1400, canopen::kReceivePdo1Cob + node, kAtOnce, kCommandMapping);
@@ -51,6 +53,20 @@ void SetUp::add(Object object, std::uint32_t value, int size_bytes, bool optiona
   settings_[count_++] = {object, value, size_bytes, optional};
 }
 
+void SetUp::add_instead(std::uint32_t value) {
+  const Setting before = settings_[count_ - 1];
+  add(before.object, value, before.size_bytes, true);
+  settings_[count_ - 1].instead = true;
+}
+
+std::size_t SetUp::next(std::size_t at, bool was_refused) const {
+  ++at;
+  while (!was_refused && at < count_ && settings_[at].instead) {
+    ++at;
+  }
+  return at;
+}
+
 // CiA 301, 7.5.2.38: a mapping can be changed only while its PDO is invalid and its count 0.
 void SetUp::add_pdo(std::uint16_t communication, std::uint32_t cob, std::uint8_t kind,
                     std::span<const std::uint32_t> mapping) {
@@ -63,8 +79,9 @@ void SetUp::add_pdo(std::uint16_t communication, std::uint32_t cob, std::uint8_t
     add({mapped, ++sub}, entry, 4);
   }
   add({mapped, 0}, sub, 1);
-  add({communication, 2}, kind, 1);
-  if (communication >= kFirstTransmitPdo) {
+  const bool is_sent = communication >= kFirstTransmitPdo;
+  add({communication, 2}, kind, 1, !is_sent);  // what is received counts at once, or at the SYNC behind it
+  if (is_sent) {
     add({communication, 3}, 0, 2, true);  // no inhibit time
     add({communication, 5}, 0, 2, true);  // no event timer
   }
@@ -72,10 +89,10 @@ void SetUp::add_pdo(std::uint16_t communication, std::uint32_t cob, std::uint8_t
 }
 
 void SetUp::add_heartbeats(const TiltParams& params) {
-  add({0x1017, 0}, milliseconds(params.heartbeat_period_ns), 2);
+  add(kOwnHeartbeat, milliseconds(params.heartbeat_period_ns), 2, true);
   if (params.master_id != 0) {
     const std::uint32_t timeout_ms = milliseconds(3 * params.heartbeat_period_ns);
-    add({0x1016, 1}, static_cast<std::uint32_t>(params.master_id) << 16U | timeout_ms, 4, true);
+    add(kWatchedHeartbeat, static_cast<std::uint32_t>(params.master_id) << 16U | timeout_ms, 4, true);
     add({0x6007, 0}, kQuickStopOnLostMaster, 2, true);
   }
 }
@@ -91,6 +108,7 @@ void SetUp::add_motion(const TiltParams& params, const TiltScale& scale) {
   add({0x6084, 0}, slope, 4, true);
   add({0x6085, 0}, slope, 4, true);
   add({0x605A, 0}, kStayInQuickStop, 2, true);
+  add_instead(kStayAfterSlope);
 }
 
 void SetUp::add_homing(const TiltParams& params, const TiltScale& scale) {
@@ -105,10 +123,28 @@ void SetUp::add_homing(const TiltParams& params, const TiltScale& scale) {
 }
 
 bool SetUp::tolerates(const Setting& setting, std::uint32_t abort_code) {
-  constexpr std::array<std::uint32_t, 5> kAbsentOrFixed{0x06010000U, 0x06010002U, 0x06020000U, 0x06090011U,
-                                                        0x08000022U};
-  return setting.optional &&
-         std::find(kAbsentOrFixed.begin(), kAbsentOrFixed.end(), abort_code) != kAbsentOrFixed.end();
+  return setting.optional && abort_code >> 24U != kTransferError;
+}
+
+std::optional<TiltLack> SetUp::lack_without(std::size_t at) const {
+  const bool is_last_try = next(at, true) == next(at, false);
+  if (!is_last_try) {
+    return std::nullopt;
+  }
+  switch (settings_[at].object.index) {
+    case 0x1016:
+      return TiltLack::kWatchOfDaemon;
+    case 0x1017:
+      return TiltLack::kHeartbeat;
+    case 0x605A:
+      return TiltLack::kHoldAfterStop;
+    case 0x6007:
+      return TiltLack::kStopWithoutDaemon;
+    case 0x607D:
+      return TiltLack::kLimits;
+    default:
+      return std::nullopt;
+  }
 }
 
 }  // namespace odoless::cia402

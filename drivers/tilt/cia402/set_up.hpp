@@ -3,16 +3,21 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "drivers/tilt/cia402/canopen.hpp"
 #include "drivers/tilt/tilt_motion.hpp"
 #include "drivers/tilt/tilt_params.hpp"
+#include "drivers/tilt/tilt_session.hpp"
 
 namespace odoless::cia402 {
 
 inline constexpr canopen::Object kDeviceType{0x1000, 0};
+inline constexpr canopen::Object kWatchedHeartbeat{0x1016, 1};
+inline constexpr canopen::Object kOwnHeartbeat{0x1017, 0};
 inline constexpr canopen::Object kErrorCode{0x603F, 0};
+inline constexpr canopen::Object kControlWord{0x6040, 0};
 inline constexpr canopen::Object kModeOfOperation{0x6060, 0};
 
 inline constexpr std::uint32_t kProfilePosition = 1;
@@ -36,7 +41,8 @@ struct Setting {
   canopen::Object object;
   std::uint32_t value = 0;
   int size_bytes = 0;
-  bool optional = false;  ///< a drive without it, or where it is fixed, will do
+  bool optional = false;  ///< a drive that refuses it will do
+  bool instead = false;   ///< another value for the setting before it, should that one be refused
 };
 
 /// All that a drive is set to before it is started, in order: stop; heartbeats both ways; RPDO 1 {control word,
@@ -48,11 +54,21 @@ class SetUp {
 
   [[nodiscard]] std::span<const Setting> settings() const { return std::span(settings_).first(count_); }
 
-  /// Whether the drive may go on although it refused `setting` so.
+  /// The setting to be written after number `at`, by whether that one was refused: what stands in for it is left out
+  /// where it was not.
+  [[nodiscard]] std::size_t next(std::size_t at, bool was_refused) const;
+
+  /// Whether the drive may go on although it refused `setting` so: an optional one for whatever reason that lies in
+  /// the drive. What was lost or damaged on the way is no refusal.
   [[nodiscard]] static bool tolerates(const Setting& setting, std::uint32_t abort_code);
+
+  /// What a drive lacks that refused the setting number `at` and whatever stands in for it, if that matters.
+  [[nodiscard]] std::optional<TiltLack> lack_without(std::size_t at) const;
 
  private:
   void add(canopen::Object object, std::uint32_t value, int size_bytes, bool optional = false);
+  /// What stands in for the setting before.
+  void add_instead(std::uint32_t value);
   void add_pdo(std::uint16_t communication, std::uint32_t cob, std::uint8_t kind,
                std::span<const std::uint32_t> mapping);
   void add_heartbeats(const TiltParams& params);

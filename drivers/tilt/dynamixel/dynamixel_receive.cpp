@@ -67,6 +67,9 @@ void DynamixelSession::on_packet(std::int64_t arrival_ns, TiltSink& sink) {
 }
 
 void DynamixelSession::on_answer(const Packet& packet, std::int64_t arrival_ns, TiltSink& sink) {
+  if (end_ && step_ < Step::kEndGoal) {
+    return begin_end(arrival_ns);
+  }
   switch (step_) {
     case Step::kCheckHealth:
     case Step::kPollHealth:
@@ -86,7 +89,13 @@ void DynamixelSession::on_answer(const Packet& packet, std::int64_t arrival_ns, 
       return go_on(arrival_ns);
     case Step::kLimits:
       return enter(Step::kClearWatchdog, arrival_ns);
+    case Step::kEndGoal:
+    case Step::kEndRelease:
+      return enter(Step::kEndWatchdog, arrival_ns);
+    case Step::kEndWatchdog:
+      return enter(Step::kEnded, arrival_ns);
     case Step::kPause:
+    case Step::kEnded:
       return;
     default:
       return enter(static_cast<Step>(static_cast<int>(step_) + 1), arrival_ns);

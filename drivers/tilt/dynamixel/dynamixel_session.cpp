@@ -48,7 +48,28 @@ void DynamixelSession::reset(std::int64_t now_ns) {
   counters_.restarts += was_reset_ ? 1 : 0;
   was_reset_ = true;
   reader_.clear();
+  end_.reset();
   enter(Step::kPing, now_ns);
+}
+
+// What was asked is answered first: two on a half-duplex line at once are heard by nobody.
+void DynamixelSession::finish(TiltEnd end, std::int64_t now_ns) {
+  has_run_ = runs();
+  const bool levels = end == TiltEnd::kLevel && has_run_ && !in_fault_;
+  motion_.command(levels ? TiltCommand::kLevel : TiltCommand::kStop, now_ns);
+  end_ = end;
+  if (!busy_) {
+    begin_end(now_ns);
+  }
+}
+
+void DynamixelSession::begin_end(std::int64_t now_ns) {
+  tries_ = 0;
+  if (end_ == TiltEnd::kRelease && was_reset_) {
+    enter(Step::kEndRelease, now_ns);
+  } else {
+    enter(has_run_ ? Step::kEndGoal : Step::kEnded, now_ns);
+  }
 }
 
 void DynamixelSession::command(TiltCommand command, std::int64_t now_ns) {
@@ -133,12 +154,14 @@ void DynamixelSession::enter(Step step, std::int64_t now_ns) {
     case Step::kReadSettings:
       return read(dynamixel::kSettingsFirst, dynamixel::kSettingsBytes, now_ns);
     case Step::kTorqueOff:
+    case Step::kEndRelease:
       return write_one(dynamixel::kTorqueEnable, 0, 1);
     case Step::kReturnDelay:
     case Step::kMode:
     case Step::kLimits:
       return next_setting(now_ns);
     case Step::kClearWatchdog:
+    case Step::kEndWatchdog:
       return write_one(dynamixel::kBusWatchdog, 0, 1);
     case Step::kFindPosition:
     case Step::kPollMotion:
@@ -146,6 +169,7 @@ void DynamixelSession::enter(Step step, std::int64_t now_ns) {
     case Step::kGoalHere:
       return write_goal(true, now_ns);
     case Step::kGoal:
+    case Step::kEndGoal:
       return write_goal(stops(), now_ns);
     case Step::kTorqueOn:
       return write_one(dynamixel::kTorqueEnable, 1, 1);
@@ -157,6 +181,7 @@ void DynamixelSession::enter(Step step, std::int64_t now_ns) {
       motion_.start(now_ns);
       return;
     case Step::kPause:
+    case Step::kEnded:
       busy_ = false;
       return;
   }
@@ -196,6 +221,9 @@ void DynamixelSession::next_setting(std::int64_t now_ns) {
 }
 
 void DynamixelSession::give_up(Errc reason, std::int64_t pause_ns, std::int64_t now_ns, TiltSink& sink) {
+  if (end_) {
+    return enter(Step::kEnded, now_ns);
+  }
   if (ready_ || !silence_told_) {
     sink.on_event({.type = TiltEventType::kLost, .reason = reason});
   }
@@ -215,7 +243,9 @@ std::span<const std::byte> DynamixelSession::transmit() {
 void DynamixelSession::on_timeout(std::int64_t now_ns, TiltSink& sink) {
   ++counters_.timeouts;
   busy_ = false;
-  if (step_ == Step::kAnswerAll) {
+  if (end_ && step_ < Step::kEndGoal) {
+    begin_end(now_ns);
+  } else if (step_ == Step::kAnswerAll) {
     enter(Step::kCheckHealth, now_ns);  // at its level of before, this may go unanswered; the next won't
   } else if (++tries_ >= kTries) {
     give_up(Errc::kDeviceSilent, kPauseNs, now_ns, sink);
@@ -279,6 +309,9 @@ std::int64_t DynamixelSession::next_deadline_ns() const {
   }
   if (busy_) {
     return asked_ns_ + params_.reply_timeout_ns;
+  }
+  if (step_ == Step::kEnded) {
+    return kNever;
   }
   return runs() ? next_poll_ns_ : pause_end_ns_;
 }

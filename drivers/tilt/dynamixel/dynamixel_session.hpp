@@ -31,6 +31,8 @@ class DynamixelSession final : public TiltSession {
 
   void reset(std::int64_t now_ns) override;
   void command(TiltCommand command, std::int64_t now_ns) override;
+  void finish(TiltEnd end, std::int64_t now_ns) override;
+  [[nodiscard]] bool is_finished() const override { return step_ == Step::kEnded; }
   void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, TiltSink& sink) override;
   [[nodiscard]] std::span<const std::byte> transmit() override;
   void tick(std::int64_t now_ns, TiltSink& sink) override;
@@ -59,6 +61,10 @@ class DynamixelSession final : public TiltSession {
     kPollHealth,
     kGoal,
     kPause,
+    kEndGoal,
+    kEndRelease,
+    kEndWatchdog,
+    kEnded,
   };
 
   void enter(Step step, std::int64_t now_ns);
@@ -82,6 +88,7 @@ class DynamixelSession final : public TiltSession {
   void on_timeout(std::int64_t now_ns, TiltSink& sink);
   void watch(std::int64_t now_ns, TiltSink& sink);
 
+  void begin_end(std::int64_t now_ns);
   void give_up(Errc reason, std::int64_t pause_ns, std::int64_t now_ns, TiltSink& sink);
   [[nodiscard]] bool runs() const { return step_ >= Step::kRun && step_ < Step::kPause; }
 
@@ -102,6 +109,8 @@ class DynamixelSession final : public TiltSession {
   bool reboot_is_due_ = false;
   bool health_is_due_ = false;
   bool in_fault_ = false;
+  std::optional<TiltEnd> end_;  ///< it is to be left so
+  bool has_run_ = false;        ///< when that was asked
   std::int64_t fault_end_ns_ = 0;
   std::int64_t fault_pause_ns_;
   std::int64_t pause_end_ns_ = 0;
