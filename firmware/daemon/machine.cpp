@@ -100,7 +100,7 @@ std::unique_ptr<ScanSource> Machine::make_source(DaemonOptions& options) {
 
 std::unique_ptr<Intake> Machine::make_intake(const DaemonOptions& options) {
   if (!has_matcher(stages_)) {
-    return std::make_unique<FilterIntake>(pipeline_, clock_);
+    return std::make_unique<FilterIntake>(pipeline_, clock_, options.params.robot.limits);
   }
   const bool from_lcm = options.params.lrf.driver == LrfDriver::kLcm;
   return std::make_unique<Intake>(pipeline_, clock_, source_->is_live(), !from_lcm);

@@ -55,6 +55,8 @@ std::uint32_t HealthMonitor::sensor_reasons(const SensorReport& sensor, const Su
          when(!sensor.open && (surroundings.device_tried || sensor.last_scan_ns != 0), kReasonDeviceClosed) |
          when(rejected_.update(sensor.source.rejected + sensor.source.late, now_ns, params_.deadline_memory_ns),
               kReasonBadScans) |
+         when(motions_refused_.update(sensor.source.motions_refused, now_ns, params_.deadline_memory_ns),
+              kReasonBadMotions) |
          when(sensor.tilt.used && !sensor.tilt.obeys, kReasonTilt) |
          when(tilt_refused_.update(sensor.tilt.refused, now_ns, params_.deadline_memory_ns), kReasonBadTilt) |
          when(sensor.tilt.used && !sensor.tilt.level, kReasonNotLevel) | when(sensor.blind, kReasonBlind) |

@@ -154,6 +154,8 @@ INSTANTIATE_TEST_SUITE_P(
     Counts, GrowingCount,
     ::testing::Values(
         Growing{"Rejected", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.rejected; }},
+        Growing{"Motions", kReasonBadMotions,
+                [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.motions_refused; }},
         Growing{"Servo", kReasonBadTilt, [](auto& sensor, auto&, auto&, auto&) { ++sensor.tilt.refused; }},
         Growing{"Late", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.late; }},
         Growing{"Dropped", kReasonOverload, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.dropped; }},
@@ -179,7 +181,7 @@ TEST(HealthText, SaysWhatTheStampsWereLike) {
 
 TEST(HealthText, EveryReasonHasItsOwnWords) {
   std::string before;
-  for (std::uint32_t reason = 1; reason <= kReasonBadTilt; reason <<= 1U) {
+  for (std::uint32_t reason = 1; reason <= kReasonBadMotions; reason <<= 1U) {
     const std::string text = reasons_text(reason);
     EXPECT_FALSE(text.empty()) << reason;
     EXPECT_NE(text, before);
