@@ -26,6 +26,7 @@ enum class LrfEventType : std::uint8_t {
   kRejected,     ///< a frame was refused; `reason` says why
   kDeviceError,  ///< the device says that something is wrong with it; `device_status` is what it said
   kLost,         ///< the stream ended or the device doesn't answer; the session starts it anew
+  kUnanswered,   ///< the device is there, and leaves unanswered what it is asked before its stream, or is too late
 };
 
 struct LrfEvent {

@@ -2,15 +2,16 @@
 
 #include <fmt/format.h>
 #include <sysexits.h>
-#include <unistd.h>
 
 #include <cstring>
-#include <thread>
 
 #include "firmware/daemon/log.hpp"
 #include "firmware/daemon/machine.hpp"
+#include "firmware/daemon/signals.hpp"
+#include "firmware/daemon/start_up.hpp"
 #include "firmware/daemon/supervisor.hpp"
 #include "rt/memory_lock.hpp"
+#include "rt/stop_flag.hpp"
 
 namespace odoless {
 namespace {
@@ -22,24 +23,35 @@ std::string reason_of(int error) { return std::strerror(error); }  // NOLINT(con
 /// The publisher's thread, as long as it lives.
 class PublisherThread {
  public:
-  explicit PublisherThread(Machine& machine)
-      : thread_([this, &machine] {
-          while (!stop_.load(std::memory_order_acquire)) {
-            machine.publisher().round(machine.clock().now_ns());
-            sleep_ns(kPublishRound_ns);
-          }
-        }) {}
-  ~PublisherThread() {
-    stop_.store(true, std::memory_order_release);
-    thread_.join();
-  }
+  explicit PublisherThread(Machine& machine) : machine_(machine) {}
+  ~PublisherThread() { stop_.request(); }  // its thread then joins
   PublisherThread(const PublisherThread&) = delete;
   PublisherThread& operator=(const PublisherThread&) = delete;
 
+  /// 0, or the errno for which there is no thread.
+  [[nodiscard]] int start() {
+    return thread_.start([this] {
+      while (!stop_.requested()) {
+        machine_.publisher().round(machine_.clock().now_ns());
+        sleep_ns(kPublishRound_ns);
+      }
+    });
+  }
+
  private:
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
+  Machine& machine_;
+  StopFlag stop_;
+  RealTimeThread thread_{{.name = "odo-publisher", .stack_bytes = kPublisherStack_bytes}};
 };
+
+int refuse(const Lack& lack) {
+  log_line(EventPriority::kError, lack.text);
+  return lack.status;
+}
+
+int refuse_thread(int error) {
+  return refuse({EX_OSERR, fmt::format("a thread cannot be made: {}", reason_of(error))});
+}
 
 bool refuse(const DaemonOptions& options, const char* what, int error) {
   log_line(options.require_realtime ? EventPriority::kError : EventPriority::kWarning,
@@ -53,31 +65,45 @@ bool refuse(const DaemonOptions& options, const char* what, int error) {
 }  // namespace
 
 int run_daemon(DaemonOptions options) {
+  hold_standard_descriptors();
+  block_signals();
+  if (const Lack lack = lack_of_descriptors(); lack.status != EX_OK) {
+    return refuse(lack);
+  }
+  if (const Lack lack = lack_of_folders(options); lack.status != EX_OK) {
+    return refuse(lack);
+  }
   const int memory_error = lock_memory();
   if (memory_error != 0 && refuse(options, "memory cannot be locked", memory_error)) {
     return EX_NOPERM;
   }
   Machine machine(options);
-  if (const std::string wrong = machine.open(); !wrong.empty()) {
-    log_line(EventPriority::kError, wrong);
-    return EX_CONFIG;
+  if (const Lack lack = lack_of_threads(machine.threads()); lack.status != EX_OK) {
+    return refuse(lack);
+  }
+  if (const Lack lack = lack_of_memory(machine.map_cells()); lack.status != EX_OK) {
+    return refuse(lack);
+  }
+  if (const Lack lack = machine.open(); lack.status != EX_OK) {
+    return refuse(lack);
   }
   Supervisor supervisor(options, machine, memory_error != 0 ? kReasonNotRealTime : 0U);
-  if (const int status = supervisor.open_laser(); status != EX_OK) {
+  if (const int status = supervisor.open(); status != EX_OK) {
     return status;
   }
   if (const int error = machine.start(options.enforce_realtime); error != 0) {
-    log_line(EventPriority::kError, fmt::format("a thread cannot be made: {}", reason_of(error)));
-    ::_exit(EX_OSERR);  // those that run already would have to be waited for
+    return refuse_thread(error);
   }
   if (const int error = machine.scheduling_error(); error != 0) {
     if (refuse(options, "real-time scheduling is refused", error)) {
-      static_cast<void>(machine.stop(1'000'000'000));
       return EX_NOPERM;
     }
     supervisor.add_standing_reason(kReasonNotRealTime);
   }
-  const PublisherThread publisher(machine);
+  PublisherThread publisher(machine);
+  if (const int error = publisher.start(); error != 0) {
+    return refuse_thread(error);
+  }
   return supervisor.run();
 }
 

@@ -47,12 +47,15 @@ struct DaemonOptions {
   std::function<std::string(DaemonParams&)> reload;
 };
 
-/// Runs the daemon until SIGTERM or SIGINT, or until its source is at its end; then drains the pipeline, saves and
-/// returns an exit status of sysexits.h: 0; 69 where the laser is in use by another program; 70 where a stage hung;
-/// 71 where a thread cannot be made; 73 where results cannot be saved; 77 where real time is required and refused;
-/// 78 where LCM's address makes no sense.
+/// Runs the daemon until a signal that would end a process (but those of a crash), the command `stop`, or the end of
+/// its source; then drains the pipeline, saves and returns an exit status of sysexits.h: 0; 69 where the laser or the
+/// socket for commands is in use by another program; 70 where a stage hung, after saving what was known; 71 where
+/// threads, memory or descriptors do not suffice; 73 where results cannot be saved, or the socket cannot be made; 77
+/// where something needed is not permitted; 78 where LCM's address makes no sense. What a start lacks is found out
+/// before a device is touched, and logged with what would be right.
 ///
-/// Locks the process's memory. To be called once, by the program's first thread while it is the only one.
+/// Locks the process's memory and blocks signals. To be called once, by the program's first thread while it is the only
+/// one.
 [[nodiscard]] int run_daemon(DaemonOptions options);
 
 }  // namespace odoless

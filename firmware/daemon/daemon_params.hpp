@@ -20,7 +20,8 @@ struct ControlParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.text("socket", self.socket, "Path of the socket that `odoless ctl` talks to; empty: none.");
+    visit.text("socket", self.socket,
+               "Path of the socket that `odoless ctl` talks to, for its owner and group (mode 0660); empty: none.");
   }
 };
 

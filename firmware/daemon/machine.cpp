@@ -1,5 +1,8 @@
 #include "firmware/daemon/machine.hpp"
 
+#include <sysexits.h>
+#include <unistd.h>
+
 #include <algorithm>
 
 #include "firmware/daemon/log.hpp"
@@ -68,6 +71,13 @@ Machine::Machine(DaemonOptions& options)
   }
 }
 
+Machine::~Machine() {
+  if (is_running() && !stop()) {
+    log_line(EventPriority::kCritical, "a stage does not end");
+    ::_exit(EX_SOFTWARE);
+  }
+}
+
 std::unique_ptr<ScanSource> Machine::make_source(DaemonOptions& options) {
   const DaemonParams& params = options.params;
   const Channels channels(params.lcm.prefix);
@@ -90,22 +100,27 @@ std::unique_ptr<ScanSource> Machine::make_source(DaemonOptions& options) {
 
 std::unique_ptr<Intake> Machine::make_intake(const DaemonOptions& options) {
   if (!has_matcher(stages_)) {
-    return std::make_unique<FilterIntake>(pipeline_, clock_);
+    return std::make_unique<FilterIntake>(pipeline_, clock_, options.params.robot.limits);
   }
   const bool from_lcm = options.params.lrf.driver == LrfDriver::kLcm;
   return std::make_unique<Intake>(pipeline_, clock_, source_->is_live(), !from_lcm);
 }
 
-std::string Machine::open() {
-  if (auto* const lcm = dynamic_cast<LcmSource*>(source_.get()); lcm != nullptr && lcm->open() != Errc::kOk) {
-    return lcm->reason();
+Lack Machine::open() {
+  if (auto* const lcm = dynamic_cast<LcmSource*>(source_.get()); lcm != nullptr) {
+    if (const Errc error = lcm->open(); error != Errc::kOk) {
+      return {error == Errc::kBadAddress ? EX_CONFIG : EX_UNAVAILABLE, lcm->reason()};
+    }
   }
   const Errc error = publisher_.link().open();
-  if (error != Errc::kOk && error != Errc::kBadAddress) {
-    log_line(EventPriority::kWarning, publisher_.link().reason() + "; it is tried again");
-    return "";
+  if (error == Errc::kBadAddress) {
+    return {EX_CONFIG, publisher_.link().reason()};
   }
-  return error == Errc::kOk ? "" : publisher_.link().reason();
+  if (error != Errc::kOk) {
+    log_line(EventPriority::kWarning,
+             publisher_.link().reason() + "; until then nothing is published, and all else goes on");
+  }
+  return {};
 }
 
 int Machine::start(bool enforce) {
@@ -123,13 +138,32 @@ int Machine::start(bool enforce) {
   return error != 0 ? error : run(sensor_thread_, sensor_system_calls(), [this] { sensor_loop_->run(); });
 }
 
-bool Machine::stop(std::int64_t patience_ns) {
-  pipeline_.stopping.store(true, std::memory_order_release);
+bool Machine::is_running() const {
+  return sensor_thread_.started() || matcher_thread_.started() || filter_thread_.started();
+}
+
+void Machine::wake_all() {
   pipeline_.sensor.wake.notify();
-  const std::int64_t end_ns = clock_.now_ns() + patience_ns;
+  pipeline_.matcher.wake.notify();
+  pipeline_.filter.wake.notify();
+}
+
+bool Machine::stop() {
+  const std::int64_t begin_ns = clock_.now_ns();
+  pipeline_.stopping.store(true, std::memory_order_release);
+  // Of a thread that could not be made, nobody else says that it has ended.
+  pipeline_.sensor.done = pipeline_.sensor.done || !sensor_thread_.started();
+  pipeline_.matcher.done = pipeline_.matcher.done || !matcher_thread_.started();
+  pipeline_.filter.done = pipeline_.filter.done || !filter_thread_.started();
+  wake_all();
   while (!has_ended()) {
-    if (clock_.now_ns() > end_ns) {
+    const std::int64_t waited_ns = clock_.now_ns() - begin_ns;
+    if (waited_ns > kEnd_ns) {
       return false;
+    }
+    if (waited_ns > kDrain_ns && !pipeline_.abandoning.exchange(true)) {
+      log_line(EventPriority::kWarning, "the stages take too long: scans that still wait are left out");
+      wake_all();
     }
     publisher_.round(clock_.now_ns());
     sleep_ns(kRoomWait_ns);
@@ -139,6 +173,13 @@ bool Machine::stop(std::int64_t patience_ns) {
   filter_thread_.join();
   publisher_.round(clock_.now_ns());
   return true;
+}
+
+int Machine::threads() const { return kStages + 1 + (gpio_thread_ ? 1 : 0); }
+
+std::size_t Machine::map_cells() const {
+  const GridGeometry geometry = geometry_of(filter_.get());
+  return static_cast<std::size_t>(geometry.columns) * static_cast<std::size_t>(geometry.rows);
 }
 
 const char* Machine::silent_stage() {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "firmware/daemon/daemon.hpp"
+#include "firmware/daemon/start_up.hpp"
 #include "firmware/gpio/gpio_thread.hpp"
 #include "firmware/pipeline/pipeline.hpp"
 #include "firmware/publisher/publisher.hpp"
@@ -19,20 +20,35 @@
 
 namespace odoless {
 
+/// Of the ordinary thread that publishes.
+inline constexpr std::size_t kPublisherStack_bytes = std::size_t{2} << 20;
+
 /// All parts of a daemon, made of its configuration and put together; nothing runs before `start`.
 ///
 /// Thread: that of the supervisor.
 class Machine {
  public:
   explicit Machine(DaemonOptions& options);
+  /// Ends what still runs, and the process, at once, where that does not end.
+  ~Machine();
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
 
-  /// @return  What is wrong with it, for a person, or nothing: an LCM address, a source that cannot be opened.
-  [[nodiscard]] std::string open();
+  /// Opens LCM. @return  What is wrong with it: an address that makes no sense, a network that is not there to receive.
+  [[nodiscard]] Lack open();
 
   /// Starts the real-time threads. @return 0, or the errno for which one cannot run.
   [[nodiscard]] int start(bool enforce);
-  /// Asks the stages to drain and waits for them; false if they don't within the time.
-  [[nodiscard]] bool stop(std::int64_t patience_ns);
+  /// Ends the stages: they drain, and leave what still waits after `kDrain_ns`. False if one doesn't end within
+  /// `kEnd_ns`; what the publisher knows can still be saved then.
+  [[nodiscard]] bool stop();
+  static constexpr std::int64_t kDrain_ns = 700'000'000;
+  static constexpr std::int64_t kEnd_ns = 2'000'000'000;
+
+  /// Threads that run in a machine with this configuration, the publisher's included.
+  [[nodiscard]] int threads() const;
+  /// Cells of the map that is saved at the end.
+  [[nodiscard]] std::size_t map_cells() const;
 
   /// The running stage that has done no round since the last call: its name, or null where all have.
   [[nodiscard]] const char* silent_stage();
@@ -55,6 +71,8 @@ class Machine {
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:
+  [[nodiscard]] bool is_running() const;
+  void wake_all();
   [[nodiscard]] std::unique_ptr<ScanSource> make_source(DaemonOptions& options);
   [[nodiscard]] std::unique_ptr<Intake> make_intake(const DaemonOptions& options);
 

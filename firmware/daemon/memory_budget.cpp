@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "firmware/daemon/machine.hpp"
 #include "firmware/pipeline/pipeline.hpp"
 #include "firmware/publisher/publisher.hpp"
 #include "firmware/sources/lrf_source.hpp"
@@ -19,8 +20,8 @@
 namespace odoless {
 namespace {
 
-// The first thread has what it touched of its stack; the publisher the usual one of a thread.
-constexpr std::size_t kOrdinaryStacks_bytes = std::size_t{8} << 20;
+// What the first thread touches of its stack.
+constexpr std::size_t kFirstStack_bytes = std::size_t{256} << 10;
 
 std::size_t heap_bytes() {
   const struct mallinfo2 now = mallinfo2();
@@ -81,8 +82,8 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
       *pipeline, "");
   meter.note("publisher: the map as published, the 3D map, messages");
   std::vector<MemoryShare> shares = meter.take();
-  shares.push_back({"stacks of the threads",
-                    (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes + kOrdinaryStacks_bytes});
+  shares.push_back({"stacks of the threads", (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes +
+                                                 kPublisherStack_bytes + kFirstStack_bytes});
   shares.push_back({"program and libraries", program_bytes()});
   return shares;
 }

@@ -2,18 +2,15 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/signalfd.h>
 #include <sysexits.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
-#include <charconv>
-#include <csignal>
 #include <cstring>
 #include <memory>
-#include <numbers>
 #include <utility>
+#include <variant>
 
 #include "drivers/io/device_line.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
@@ -25,33 +22,6 @@
 namespace odoless {
 namespace {
 
-constexpr const char* kCommands =
-    "status, save, reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, stop";
-
-FileDescriptor block_signals() {
-  sigset_t set;
-  sigemptyset(&set);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
-    sigaddset(&set, signal);
-  }
-  static_cast<void>(pthread_sigmask(SIG_BLOCK, &set, nullptr));
-  static_cast<void>(std::signal(SIGPIPE, SIG_IGN));  // a line whose other side is gone says so by itself
-  return FileDescriptor(::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
-}
-
-std::optional<Pose2> parse_pose(std::string_view text) {
-  std::array<double, 3> numbers{};
-  for (double& number : numbers) {
-    text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || !std::isfinite(number)) {
-      return std::nullopt;
-    }
-    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  }
-  return Pose2{numbers[0], numbers[1], wrap_angle(numbers[2] * std::numbers::pi / 180.0)};
-}
-
 LineKeeper::Open laser_opener(const DaemonParams& params) {
   return [line = std::make_shared<DeviceLine>(params.lrf.device, params.lrf.baud), &params] {
     Result<FileDescriptor> opened = line->open(params.pipeline.sensor_priority);
@@ -62,6 +32,19 @@ LineKeeper::Open laser_opener(const DaemonParams& params) {
   };
 }
 
+FilterCommand filter_command_of(const ControlCommand& command) {
+  switch (command.kind) {
+    case ControlCommand::Kind::kPose:
+      return {FilterCommand::Kind::kSetPose, command.map_T_scan};
+    case ControlCommand::Kind::kPause:
+      return {FilterCommand::Kind::kPause};
+    case ControlCommand::Kind::kResume:
+      return {FilterCommand::Kind::kResume};
+    default:
+      return {FilterCommand::Kind::kReset};
+  }
+}
+
 }  // namespace
 
 Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t standing_reasons)
@@ -69,23 +52,26 @@ Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t s
       machine_(machine),
       keeper_(laser_opener(options.params), machine.line(), machine.pipeline().sensor.wake),
       tilt_keeper_([&options] { return open_tilt_line(options.params.tilt); }, machine.tilt_line(),
-                   machine.pipeline().sensor.wake),
-      signals_(block_signals()) {
+                   machine.pipeline().sensor.wake) {
   surroundings_.standing_reasons = standing_reasons;
 }
 
 int Supervisor::run() {
-  open_control();
   notify_service_manager("READY=1");
   while (!ending_ && !machine_.has_ended()) {
     wait();
     keep_laser_open();
     keep_tilt_open();
     if (!watch()) {
-      ::_exit(EX_SOFTWARE);
+      end_without_stages();
     }
   }
   return end();
+}
+
+int Supervisor::open() {
+  const int status = open_control();
+  return status != EX_OK ? status : open_laser();
 }
 
 int Supervisor::open_laser() {
@@ -118,36 +104,48 @@ int Supervisor::open_laser() {
   return EX_OK;
 }
 
-void Supervisor::open_control() {
+int Supervisor::open_control() {
   const std::string& path = options_.params.control.socket;
-  if (const int error = path.empty() ? 0 : control_.open(path); error != 0) {
-    log_line(EventPriority::kWarning, fmt::format("{}: no socket for commands: {} (control.socket)", path,
-                                                  std::strerror(error)));  // NOLINT(concurrency-mt-unsafe)
+  const int error = path.empty() ? 0 : control_.open(path);
+  if (error == 0) {
+    return EX_OK;
   }
+  std::string what = std::strerror(error);  // NOLINT(concurrency-mt-unsafe): one thread
+  if (error == EADDRINUSE) {
+    what = control_.other() > 0 ? fmt::format("another daemon, pid {}, takes commands there", control_.other())
+                                : "another program takes commands there";
+  } else if (error == ENOTSOCK) {
+    what = "there is a file that is no socket, which is left as it is";
+  }
+  log_line(
+      EventPriority::kError,
+      fmt::format("{}: no socket for commands: {} (control.socket); a path is needed that is free, in a folder that "
+                  "this user may write to, or \"\" for none",
+                  path, what));
+  return error == EADDRINUSE                 ? EX_UNAVAILABLE
+         : error == ENAMETOOLONG             ? EX_CONFIG
+         : error == EACCES || error == EPERM ? EX_NOPERM
+                                             : EX_CANTCREAT;
 }
 
 void Supervisor::wait() {
-  std::array<pollfd, 2> ready{pollfd{.fd = signals_.get(), .events = POLLIN, .revents = 0},
+  std::array<pollfd, 2> ready{pollfd{.fd = signals_.descriptor(), .events = POLLIN, .revents = 0},
                               pollfd{.fd = control_.descriptor(), .events = POLLIN, .revents = 0}};
   const timespec timeout{.tv_sec = 0, .tv_nsec = kRound_ns};
-  if (::ppoll(ready.data(), ready.size(), &timeout, nullptr) <= 0) {
-    return;
-  }
-  if ((ready[0].revents & POLLIN) != 0) {
-    handle_signal();
-  }
-  if ((ready[1].revents & POLLIN) != 0) {
-    control_.serve([this](std::string_view command) { return obey(command); });
-  }
+  static_cast<void>(::ppoll(ready.data(), ready.size(), &timeout, nullptr));
+  handle_signals();
+  control_.serve(machine_.clock().now_ns(),
+                 [this](std::string_view line, const ControlPeer& peer) { return answer(line, peer); });
 }
 
-void Supervisor::handle_signal() {
-  signalfd_siginfo info{};
-  while (::read(signals_.get(), &info, sizeof(info)) == static_cast<ssize_t>(sizeof(info))) {
-    if (info.ssi_signo == SIGHUP) {
+void Supervisor::handle_signals() {
+  constexpr int kMost = 8;  // in a round, however fast they come
+  for (int i = 0; i < kMost; ++i) {
+    const SignalMeaning meaning = signals_.next();
+    if (meaning == SignalMeaning::kReload) {
       reload();
-    } else {
-      ending_ = true;
+    } else if (meaning == SignalMeaning::kEnd && !std::exchange(ending_, true)) {
+      log_line(EventPriority::kNotice, fmt::format("signal {}: the daemon ends", signals_.name()));
     }
   }
 }
@@ -182,20 +180,6 @@ void Supervisor::keep_tilt_open() {
   if (error != Errc::kOk || machine_.tilt_line().in_use) {
     tilt_error_ = error;
   }
-}
-
-std::string Supervisor::command_tilt(std::string_view argument) {
-  if (machine_.tilt() == nullptr) {
-    return "error: there is no tilt servo (tilt.driver)\n";
-  }
-  for (std::size_t i = 0; i < std::size(kTiltCommandNames); ++i) {
-    if (argument == kTiltCommandNames[i]) {
-      machine_.tilt()->request(static_cast<TiltCommand>(i));
-      machine_.pipeline().sensor.wake.notify();
-      return "ok\n";
-    }
-  }
-  return "error: tilt needs one of level, sweep, stop\n";
 }
 
 bool Supervisor::watch() {
@@ -261,45 +245,52 @@ void Supervisor::reload() {
   log_line(EventPriority::kNotice, "configuration read: [health] is in force; all else needs a restart");
 }
 
-std::string Supervisor::obey(std::string_view command) {
-  const std::string_view word = command.substr(0, command.find(' '));
-  const std::string_view arguments = command.substr(std::min(word.size() + 1, command.size()));
-  if (word == "status") {
-    return status_text();
+std::string Supervisor::answer(std::string_view line, const ControlPeer& peer) {
+  const std::variant<ControlCommand, std::string> parsed = parse_control_command(line);
+  if (const auto* const refusal = std::get_if<std::string>(&parsed)) {
+    return "error: " + *refusal + "\n";
   }
-  if (word == "save") {
-    const std::string wrong = save();
-    return wrong.empty() ? fmt::format("ok: saved to {}\n", options_.folder.string()) : "error: " + wrong + "\n";
+  const auto& command = std::get<ControlCommand>(parsed);
+  const std::string said = obey(command);
+  if (command.kind != ControlCommand::Kind::kStatus) {
+    log_line(EventPriority::kNotice, fmt::format("command '{}' of user {}, pid {}: {}", line, peer.uid, peer.pid,
+                                                 said.substr(0, said.find('\n'))));
   }
-  if (word == "stop") {
-    ending_ = true;
-    return "ok\n";
-  }
-  if (word == "tilt") {
-    return command_tilt(arguments);
-  }
-  return command_filter(word, arguments);
+  return said;
 }
 
-std::string Supervisor::command_filter(std::string_view word, std::string_view arguments) {
-  FilterCommand command;
-  if (word == "reset") {
-    command.kind = FilterCommand::Kind::kReset;
-  } else if (word == "pause" || word == "resume") {
-    command.kind = word == "pause" ? FilterCommand::Kind::kPause : FilterCommand::Kind::kResume;
-  } else if (word == "pose") {
-    const std::optional<Pose2> pose = parse_pose(arguments);
-    if (!pose) {
-      return "error: pose needs three numbers: X_M Y_M YAW_DEG\n";
+std::string Supervisor::obey(const ControlCommand& command) {
+  switch (command.kind) {
+    case ControlCommand::Kind::kStatus:
+      return status_text();
+    case ControlCommand::Kind::kSave: {
+      const std::string wrong = save();
+      return wrong.empty() ? fmt::format("ok: saved to {}\n", options_.folder.string()) : "error: " + wrong + "\n";
     }
-    command = {FilterCommand::Kind::kSetPose, *pose};
-  } else {
-    return fmt::format("error: '{}' is no command; there are {}\n", word, kCommands);
+    case ControlCommand::Kind::kStop:
+      ending_ = true;
+      return "ok\n";
+    case ControlCommand::Kind::kTilt:
+      return command_tilt(command.tilt);
+    default:
+      return command_filter(command);
   }
+}
+
+std::string Supervisor::command_tilt(TiltCommand command) {
+  if (machine_.tilt() == nullptr) {
+    return "error: there is no tilt servo (tilt.driver)\n";
+  }
+  machine_.tilt()->request(command);
+  machine_.pipeline().sensor.wake.notify();
+  return "ok\n";
+}
+
+std::string Supervisor::command_filter(const ControlCommand& command) {
   if (!has_filter(options_.stages)) {
     return "error: the filter runs elsewhere\n";
   }
-  if (!machine_.pipeline().commands.try_push(command)) {
+  if (!machine_.pipeline().commands.try_push(filter_command_of(command))) {
     return "error: too many commands wait\n";
   }
   machine_.pipeline().filter.wake.notify();
@@ -334,18 +325,34 @@ std::string Supervisor::save() {
 
 int Supervisor::end() {
   notify_service_manager("STOPPING=1");
-  if (!machine_.stop(kDrain_ns)) {
-    log_line(EventPriority::kCritical, "a stage does not end; results are not saved");
-    ::_exit(EX_SOFTWARE);
+  end_process_after(kEnd_s, EX_SOFTWARE);
+  if (!machine_.stop()) {
+    log_line(EventPriority::kCritical, "a stage does not end");
+    end_without_stages();
   }
-  if (options_.folder.empty() || !options_.save) {
-    return EX_OK;
+  let_process_end_in_its_time();  // a large map may take long on a slow disk
+  std::string wrong;
+  if (!options_.folder.empty() && options_.save) {
+    wrong = save();
   }
-  const std::string wrong = save();
   if (!wrong.empty()) {
     log_line(EventPriority::kError, wrong);
   }
-  return wrong.empty() ? EX_OK : EX_CANTCREAT;
+  const int status = wrong.empty() ? EX_OK : EX_CANTCREAT;
+  end_process_after(kEnd_s, status);  // lines and threads are still to be closed
+  return status;
+}
+
+// The map is then as it was published last, for nobody may touch the filter. What hangs may hold whatever saving needs.
+void Supervisor::end_without_stages() {
+  notify_service_manager("STOPPING=1");
+  end_process_after(kEnd_s, EX_SOFTWARE);
+  if (!options_.folder.empty() && options_.save) {
+    const std::string wrong = save();
+    log_line(wrong.empty() ? EventPriority::kNotice : EventPriority::kError,
+             wrong.empty() ? fmt::format("what is known was saved to {}", options_.folder.string()) : wrong);
+  }
+  ::_exit(EX_SOFTWARE);
 }
 
 }  // namespace odoless

@@ -4,8 +4,10 @@
 #include <string>
 #include <string_view>
 
+#include "firmware/daemon/control_command.hpp"
 #include "firmware/daemon/control_server.hpp"
 #include "firmware/daemon/machine.hpp"
+#include "firmware/daemon/signals.hpp"
 
 namespace odoless {
 
@@ -20,32 +22,35 @@ class Supervisor {
   /// Something that holds for the whole run.
   void add_standing_reason(std::uint32_t reason) { surroundings_.standing_reasons |= reason; }
 
-  /// Tries to open the laser, before the machine starts. @return  Exit status where it is of no use to go on: one that
-  /// is missing may still come, but not one that is used by another program.
-  [[nodiscard]] int open_laser();
+  /// Opens the socket for commands and tries to open the laser, before the machine starts. @return  Exit status where
+  /// it is of no use to go on: a laser that is missing may still come, but not one that is used by another program.
+  [[nodiscard]] int open();
 
   /// @return  Exit status.
   [[nodiscard]] int run();
 
  private:
-  void open_control();
+  [[nodiscard]] int open_control();
+  [[nodiscard]] int open_laser();
   void wait();
-  void handle_signal();
+  void handle_signals();
   void keep_laser_open();
   void keep_tilt_open();
-  [[nodiscard]] std::string command_tilt(std::string_view argument);
   [[nodiscard]] bool watch();
   void follow_gpio();
   void reload();
-  [[nodiscard]] std::string obey(std::string_view command);
-  [[nodiscard]] std::string command_filter(std::string_view word, std::string_view arguments);
+  [[nodiscard]] std::string answer(std::string_view line, const ControlPeer& peer);
+  [[nodiscard]] std::string obey(const ControlCommand& command);
+  [[nodiscard]] std::string command_tilt(TiltCommand command);
+  [[nodiscard]] std::string command_filter(const ControlCommand& command);
   [[nodiscard]] std::string status_text();
   [[nodiscard]] std::string save();
   [[nodiscard]] int end();
+  [[noreturn]] void end_without_stages();
 
   static constexpr std::int64_t kRound_ns = 20'000'000;
   static constexpr std::int64_t kWatch_ns = 100'000'000;
-  static constexpr std::int64_t kDrain_ns = 700'000'000;
+  static constexpr unsigned kEnd_s = 30;  ///< in which stages end, or all is saved beside one that hangs
 
   DaemonOptions& options_;
   Machine& machine_;
@@ -53,7 +58,7 @@ class Supervisor {
   LineKeeper keeper_;
   LineKeeper tilt_keeper_;
   Surroundings surroundings_;
-  FileDescriptor signals_;
+  SignalReader signals_;
   bool ending_ = false;
   Errc laser_error_ = Errc::kOk;
   Errc tilt_error_ = Errc::kOk;

@@ -31,6 +31,7 @@ bool HealthMonitor::Growth::update(std::int64_t count, std::int64_t now_ns, std:
 const HealthReport& HealthMonitor::update(const SensorReport& sensor, const MatcherReport& matcher,
                                           const FilterReport& filter, const Surroundings& surroundings,
                                           std::int64_t now_ns) {
+  began_ns_ = began_ns_ == 0 ? now_ns : began_ns_;
   copy_figures(sensor, matcher, filter, surroundings, now_ns);
   report_.reasons = surroundings.standing_reasons | sensor_reasons(sensor, surroundings, now_ns) |
                     estimate_reasons(matcher, filter, now_ns) | load_reasons(report_, now_ns) |
@@ -49,10 +50,13 @@ std::uint32_t HealthMonitor::sensor_reasons(const SensorReport& sensor, const Su
   const std::int64_t age_ns = now_ns - sensor.last_scan_ns;
   const auto silent_ns = static_cast<std::int64_t>(params_.silent_periods * static_cast<double>(sensor.period_ns));
   const bool silent = sensor.last_scan_ns == 0 || age_ns > std::max(silent_ns, std::int64_t{1});
-  return when(silent && sensor.period_ns > 0, kReasonNoScans) |
+  const bool was_expected = sensor.period_ns > 0 || now_ns - began_ns_ > params_.fault_after_ns;
+  return when(silent && was_expected, kReasonNoScans) |
          when(!sensor.open && (surroundings.device_tried || sensor.last_scan_ns != 0), kReasonDeviceClosed) |
          when(rejected_.update(sensor.source.rejected + sensor.source.late, now_ns, params_.deadline_memory_ns),
               kReasonBadScans) |
+         when(motions_refused_.update(sensor.source.motions_refused, now_ns, params_.deadline_memory_ns),
+              kReasonBadMotions) |
          when(sensor.tilt.used && !sensor.tilt.obeys, kReasonTilt) |
          when(tilt_refused_.update(sensor.tilt.refused, now_ns, params_.deadline_memory_ns), kReasonBadTilt) |
          when(sensor.tilt.used && !sensor.tilt.level, kReasonNotLevel) | when(sensor.blind, kReasonBlind) |

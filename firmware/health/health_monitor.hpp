@@ -81,7 +81,9 @@ class HealthMonitor {
 
   HealthParams params_;
   HealthReport report_;
+  std::int64_t began_ns_ = 0;  ///< 0: not yet
   Growth rejected_;
+  Growth motions_refused_;
   Growth tilt_refused_;
   Growth dropped_;
   Growth missed_;

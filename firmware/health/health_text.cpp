@@ -8,7 +8,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<const char*, 23> kReasonTexts{"no scans",
+constexpr std::array<const char*, 24> kReasonTexts{"no scans",
                                                    "the laser cannot be opened",
                                                    "scans are refused",
                                                    "the laser sees nothing",
@@ -21,7 +21,7 @@ constexpr std::array<const char*, 23> kReasonTexts{"no scans",
                                                    "not in real time",
                                                    "a file cannot be written",
                                                    "the map is full",
-                                                   "LCM refuses messages",
+                                                   "LCM messages cannot be sent (is the network up?)",
                                                    "a stage does not answer",
                                                    "datagrams were lost",
                                                    "mapping is paused",
@@ -30,7 +30,8 @@ constexpr std::array<const char*, 23> kReasonTexts{"no scans",
                                                    "the tilt servo does not obey",
                                                    "the laser is not level",
                                                    "the 3D map is full",
-                                                   "answers of the tilt servo are missing or wrong"};
+                                                   "answers of the tilt servo are missing or wrong",
+                                                   "motions of the matcher elsewhere are refused"};
 
 }  // namespace
 

@@ -1,12 +1,19 @@
 #include "firmware/lcm/lcm_link.hpp"
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
+#include <system_error>
 #include <utility>
 
 #include "core/base/check.hpp"
+#include "drivers/io/file_descriptor.hpp"
 #include "firmware/lcm/messages.hpp"
+#include "firmware/lcm/udp_address.hpp"
 
 namespace odoless {
 namespace {
@@ -14,11 +21,26 @@ namespace {
 constexpr std::int64_t kVelocityAgeMaxNs = 1'000'000'000;
 constexpr std::size_t kHeaderMaxBytes = 200;  // all that stands before the data of a tile or a map
 
+constexpr std::string_view kUdp = "udpm://";
+
+// Why nothing can be sent to the group; 0: it can. liblcm would find out the same, and write fifteen lines about it to
+// standard error at each attempt.
+int route_error(const std::string& url) {
+  const Result<UdpAddress> wanted = parse_udp_address(url.substr(0, url.find('?')));
+  const UdpAddress to = wanted.ok() ? wanted.value() : UdpAddress{.group = 0xEFFF4C43, .port = 7667};  // liblcm's own
+  sockaddr_in group{};
+  group.sin_family = AF_INET;
+  group.sin_port = htons(to.port);
+  group.sin_addr.s_addr = htonl(to.group);
+  const FileDescriptor probe(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  return ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&group), sizeof(group)) == 0 ? 0 : errno;
+}
+
 // The first of several that is not kOk.
 Errc first_error(Errc a, Errc b) { return a != Errc::kOk ? a : b; }
 
 std::string with_ttl(const std::string& url, int ttl) {
-  if (url.find("udpm://") == std::string::npos) {
+  if (url.find(kUdp) == std::string::npos) {
     return url;  // only datagrams have one
   }
   return url + (url.find('?') == std::string::npos ? '?' : '&') + "ttl=" + std::to_string(ttl);
@@ -84,12 +106,15 @@ Errc LcmLink::open() {
     return Errc::kOk;
   }
   const std::string url = with_ttl(params_.url, params_.ttl);
+  if (const int error = url.starts_with(kUdp) ? route_error(url) : 0; error != 0) {
+    return fail(Errc::kUnavailable, "LCM cannot use '" + url + "': " + std::generic_category().message(error) +
+                                        ": the host needs a route for multicast (`ip link set lo up` and `ip route add "
+                                        "224.0.0.0/4 dev lo`, or a network); it is tried again every 2 s");
+  }
   lcm_.reset(lcm_create(url.c_str()));
   if (lcm_ == nullptr) {
     return fail(Errc::kUnavailable,
-                "LCM cannot use '" + url +
-                    "': is it of the form udpm://239.255.76.67:7667, and does the host have a route "
-                    "for multicast (ip route add 224.0.0.0/4 dev lo)?");
+                "LCM cannot use '" + url + "': an address of the form udpm://239.255.76.67:7667 is needed (lcm.url)");
   }
   return Errc::kOk;
 }

@@ -56,6 +56,8 @@ struct Pipeline {
   StagePort<FilterReport> filter;
   Outbox gpio;                        ///< what is on the GPIO lines, from their thread
   std::atomic<bool> stopping{false};  ///< the sensor takes nothing in any more; the others drain
+  /// What still waits is left where it is: the stages end after what they are at.
+  std::atomic<bool> abandoning{false};
 
  private:
   std::size_t frame_bytes_;

@@ -1,5 +1,7 @@
 #include "firmware/publisher/publisher.hpp"
 
+#include <utility>
+
 #include "firmware/daemon/log.hpp"
 #include "firmware/health/health_text.hpp"
 #include "firmware/lcm/messages.hpp"
@@ -42,7 +44,7 @@ void Publisher::round(std::int64_t now_ns) {
 void Publisher::keep_link_open(std::int64_t now_ns) {
   if (!link_.is_open() && wants_link_ && now_ns >= next_open_ns_) {
     next_open_ns_ = now_ns + kReopen_ns;
-    static_cast<void>(link_.open());
+    link_refuses_ = link_.open() == Errc::kOk;  // until now it did
   }
 }
 
@@ -159,10 +161,23 @@ void Publisher::watch(std::int64_t now_ns) {
     next_health_ns_ = now_ns + kHealth_ns;
     static_cast<void>(link_.publish(health_));
   }
+  tell_of_link();
   if (health_.state != before.state) {
     log_line(health_.state == HealthState::kOk ? EventPriority::kInfo : EventPriority::kWarning,
              state_sentence(health_));
   }
+}
+
+// One that was never open is told of by who tries to open it.
+void Publisher::tell_of_link() {
+  const bool refuses = (health_.reasons & kReasonPublishing) != 0;
+  if (!link_.is_open() || refuses == std::exchange(link_refuses_, refuses)) {
+    return;
+  }
+  log_line(refuses ? EventPriority::kWarning : EventPriority::kNotice,
+           refuses ? "LCM: messages cannot be sent: is the network up, and has it a route for multicast (ip route add "
+                     "224.0.0.0/4 dev lo)? All else goes on"
+                   : "LCM: messages are sent");
 }
 
 void Publisher::publish_overview(std::int64_t now_ns) {

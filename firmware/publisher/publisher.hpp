@@ -78,6 +78,7 @@ class Publisher {
   [[nodiscard]] std::vector<Point3> copy_cloud() const;
   void publish_overview(std::int64_t now_ns);
   void keep_link_open(std::int64_t now_ns);
+  void tell_of_link();
 
   static constexpr std::int64_t kHealth_ns = 100'000'000;
   static constexpr std::int64_t kReopen_ns = 2'000'000'000;
@@ -93,6 +94,7 @@ class Publisher {
   std::unique_ptr<CloudFeed> cloud_;  ///< null: there is none
   PoseSpool poses_;
   bool wants_link_;
+  bool link_refuses_ = false;  ///< messages, and it is told
   std::int64_t next_open_ns_ = 0;
   std::int64_t overview_ns_;
   std::int64_t next_overview_ns_ = 0;

@@ -42,6 +42,7 @@ enum HealthReason : std::uint32_t {
   kReasonNotLevel = 1U << 20,       ///< the laser's plane is not level
   kReasonCloudFull = 1U << 21,      ///< the 3D map has no room for what is seen: what it has stays
   kReasonBadTilt = 1U << 22,        ///< the tilt servo's answers are refused, or don't come
+  kReasonBadMotions = 1U << 23,     ///< motions of a matcher elsewhere are refused: forged, or of another clock
 };
 
 /// The scan source since start. Rates and ages are taken at the time of the report.
@@ -57,7 +58,8 @@ struct SourceHealth {
   std::int64_t dropped = 0;       ///< evicted because the matcher was busy
   std::int64_t reconnects = 0;
   std::int64_t datagrams_lost = 0;
-  ScanTimeFindings times{};  ///< what the stamps of the accepted scans were like
+  ScanTimeFindings times{};          ///< what the stamps of the accepted scans were like
+  std::int64_t motions_refused = 0;  ///< of a matcher elsewhere; not counted in rejected
 };
 
 /// A round of a stage: when it was by CLOCK_MONOTONIC, as in the kernel's own records, and its CPU time.

@@ -41,7 +41,7 @@ void LcmSource::take_scan(const LcmMessage& message, ScanSink& sink) {
 void LcmSource::take_motion(const LcmMessage& message, ScanSink& sink) {
   const Result<Motion> motion = decode_motion(message.payload);
   if (!motion.ok()) {
-    ++refused_;
+    ++motions_refused_;
   } else if (message.channel == names_.motion || motion.value().to_stamp_ns > last_motion_ns_) {
     last_motion_ns_ = motion.value().to_stamp_ns;
     sink.on_motion(motion.value());
@@ -51,6 +51,7 @@ void LcmSource::take_motion(const LcmMessage& message, ScanSink& sink) {
 void LcmSource::add_counts(SourceHealth& health) const {
   const LcmReceiverCounters& counters = receiver_.counters();
   health.rejected += refused_ + counters.malformed + counters.fragments;
+  health.motions_refused += motions_refused_;
   health.datagrams_lost += counters.lost;
 }
 

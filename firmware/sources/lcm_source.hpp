@@ -51,6 +51,7 @@ class LcmSource final : public ScanSource {
   std::int64_t last_scan_ns_ = std::numeric_limits<std::int64_t>::min();  ///< stamps
   std::int64_t last_motion_ns_ = std::numeric_limits<std::int64_t>::min();
   std::int64_t refused_ = 0;
+  std::int64_t motions_refused_ = 0;
 };
 
 }  // namespace odoless

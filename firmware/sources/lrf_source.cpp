@@ -18,6 +18,7 @@ constexpr Errc kStreams = Errc::kOk;
 constexpr Errc kLineGone = Errc::kDeviceMissing;
 constexpr Errc kReopened = Errc::kUnavailable;
 constexpr Errc kNotWritten = Errc::kDeviceFailed;
+constexpr Errc kUnanswered = Errc::kNotYet;
 
 /// Why a laser that answers is not used.
 EventText refusal(Errc reason) {
@@ -191,6 +192,12 @@ void LrfSource::on_event(const LrfEvent& event) {
       is_lost_ = true;
       return tell_once(Errc::kDeviceSilent, EventPriority::kWarning,
                        "laser: silent or its stream ended; it is brought up again");
+    case LrfEventType::kUnanswered:
+      is_lost_ = true;
+      return tell_once(kUnanswered, EventPriority::kWarning,
+                       "laser: it answers, but not all that it is asked before it streams, or later than "
+                       "lrf.reply_timeout_ms ({} ms), which must be longer then; it is asked again and again",
+                       params_.reply_timeout_ns / 1'000'000);
     case LrfEventType::kRejected:
       if (!session_->ready()) {
         ++refused_;

@@ -1,5 +1,6 @@
 #include "firmware/threads/filter_intake.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -31,9 +32,13 @@ ScanSlot FilterIntake::scan_of(std::int64_t stamp_ns) {
   }
 }
 
-Motion FilterIntake::without_gap(const Motion& motion) const {
-  if (started_ && motion.from_stamp_ns != last_stamp_ns_) {
-    return missing_before(motion).then(motion);
+Motion FilterIntake::without_gap(const Motion& motion, MotionVerdict verdict) const {
+  if (verdict == MotionVerdict::kContinues) {  // its stamps are of another clock
+    const std::int64_t lost_ns = guard_.arrived_after_ns() - motion.duration_ns;
+    return missing_before(motion, std::max<std::int64_t>(lost_ns, 0)).then(motion);
+  }
+  if (verdict == MotionVerdict::kFollows && motion.from_stamp_ns != last_stamp_ns_) {
+    return missing_before(motion, motion.from_stamp_ns - last_stamp_ns_).then(motion);
   }
   Motion whole = motion;
   if (!started_) {
@@ -43,11 +48,11 @@ Motion FilterIntake::without_gap(const Motion& motion) const {
 }
 
 // Only the sum of the lost motions is known; they are taken to be like this one, as uncertain for their time.
-Motion FilterIntake::missing_before(const Motion& motion) const {
+Motion FilterIntake::missing_before(const Motion& motion, std::int64_t duration_ns) const {
   Motion missing = motion;
-  missing.from_stamp_ns = last_stamp_ns_;
+  missing.from_stamp_ns = motion.from_stamp_ns - duration_ns;
   missing.to_stamp_ns = motion.from_stamp_ns;
-  missing.duration_ns = missing.to_stamp_ns - missing.from_stamp_ns;
+  missing.duration_ns = duration_ns;
   missing.odom_T_current = motion.odom_T_current * motion.previous_T_current.inverse();
   missing.previous_T_current = odom_T_last_.inverse() * missing.odom_T_current;
   missing.evaluations = missing.alternative_count = 0;
@@ -58,11 +63,12 @@ Motion FilterIntake::missing_before(const Motion& motion) const {
 }
 
 void FilterIntake::on_motion(const Motion& motion) {
-  if (started_ && motion.to_stamp_ns <= last_stamp_ns_) {
-    return;  // came twice, or too late: the sum is known already
+  const MotionVerdict verdict = guard_.judge(motion, clock_.now_ns());
+  if (verdict == MotionVerdict::kOld || verdict == MotionVerdict::kRefused) {
+    return;  // of what is old, the sum is known already
   }
   release();  // the one before: its scan has been lost
-  held_ = {.slot = scan_of(motion.to_stamp_ns), .motion = without_gap(motion)};
+  held_ = {.slot = scan_of(motion.to_stamp_ns), .motion = without_gap(motion, verdict)};
   has_held_ = true;
   started_ = true;
   odom_T_last_ = motion.odom_T_current;

@@ -32,7 +32,7 @@ void FilterLoop::run(const std::atomic<bool>& before) {
     for (FilterCommand command; pipeline_.commands.try_pop(command);) {
       obey(command);
     }
-    for (MotionMessage message; pipeline_.motions.try_pop(message);) {
+    for (MotionMessage message; !pipeline_.abandoning && pipeline_.motions.try_pop(message);) {
       process(message);
     }
     pipeline_.filter.heartbeat.fetch_add(1, std::memory_order_relaxed);

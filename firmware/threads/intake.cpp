@@ -93,6 +93,7 @@ void Intake::report(const ScanSource& source, const TiltReport& tilt, const Stag
   report.stage = stage;
   enter(stage_, report);
   source.add_counts(report.source);
+  add_counts(report.source);
   report.source.dropped = static_cast<std::int64_t>(pipeline_.scans.evicted()) + without_slot_;
   report.open = source.is_open();
   report.tilt = tilt;

@@ -39,6 +39,8 @@ class Intake : public ScanSink {
  protected:
   /// A scan that was accepted.
   virtual void take(ScanSlot slot);
+  /// What the intake itself counts.
+  virtual void add_counts(SourceHealth& /*health*/) const {}
   void give_back(ScanSlot slot) { free_.give(slot); }
   [[nodiscard]] Pipeline& pipeline() { return pipeline_; }
 

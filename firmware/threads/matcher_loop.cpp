@@ -10,7 +10,7 @@ MatcherLoop::MatcherLoop(Pipeline& pipeline, MatcherStage& stage, std::int64_t b
 void MatcherLoop::run() {
   for (bool last_round = false; !last_round;) {
     last_round = pipeline_.sensor.done.load(std::memory_order_acquire);
-    while (const std::optional<ScanSlot> slot = pipeline_.scans.try_pop()) {
+    while (const std::optional<ScanSlot> slot = pipeline_.abandoning ? std::nullopt : pipeline_.scans.try_pop()) {
       process(*slot);
     }
     flush();
@@ -19,7 +19,7 @@ void MatcherLoop::run() {
       pipeline_.matcher.wake.wait(kIdle_ns);
     }
   }
-  while (pending_.slot != kNoSlot) {
+  while (pending_.slot != kNoSlot && !pipeline_.abandoning) {
     flush();
     sleep_ns(kRoomWait_ns);
   }
@@ -66,7 +66,7 @@ bool MatcherLoop::push(const MotionMessage& message) {
 }
 
 void MatcherLoop::hand_on(MotionMessage message) {
-  while (pipeline_.lossless && !push(message)) {
+  while (pipeline_.lossless && !push(message) && !pipeline_.abandoning) {
     sleep_ns(kRoomWait_ns);
   }
   if (pipeline_.lossless) {

@@ -81,11 +81,11 @@ class StageTimer {
   std::int64_t start_ns_ = 0;
 };
 
-/// Sends a record; in a lossless replay waits until there is room.
+/// Sends a record; in a lossless replay waits until there is room, or the run is given up.
 template <class Record, class Element = std::byte>
 void send(Pipeline& pipeline, Outbox& outbox, RecordType type, const Record& record,
           std::span<const Element> elements = {}) {
-  while (!outbox.send(type, record, elements) && pipeline.lossless) {
+  while (!outbox.send(type, record, elements) && pipeline.lossless && !pipeline.abandoning) {
     sleep_ns(kRoomWait_ns);
   }
 }

@@ -152,7 +152,11 @@ class DaemonTest(DaemonCase):
         self.start_laser()
         self.start_daemon()
         self.wait_until_ok()
-        second = run("odolessd", "--config", self.config)
+        with open(self.config, encoding="utf-8") as file:
+            other_socket = file.read().replace(self.path("control"), self.path("other"))
+        with open(self.path("other.toml"), "w", encoding="utf-8") as file:
+            file.write(other_socket)
+        second = run("odolessd", "--config", self.path("other.toml"))
         self.assertEqual(second.returncode, EX_UNAVAILABLE, second.stderr)
         self.assertIn(self.path("laser"), second.stderr)
 

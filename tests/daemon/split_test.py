@@ -71,12 +71,27 @@ def recorded(path, channel):
                 yield message
 
 
+def forged(datagram, begin):
+    """What somebody on the network could make of a motion, whose stamp begins there: of a far time, a robot that leaps,
+    a covariance that is none."""
+    utime, reference_utime = struct.unpack_from(">qq", datagram, begin)
+    for off_us in (10**13, 3_600_000_000, -3_600_000_000):
+        yield datagram[:begin] + struct.pack(">qq", utime + off_us, reference_utime + off_us) + datagram[begin + 16:]
+    yield datagram[:begin + 32] + struct.pack(">d", 5.0) + datagram[begin + 40:]  # previous_T_current's x_m
+    noise = begin + 32 + 8 * (3 + 3 + 9 + 25 + 25)
+    yield datagram[:noise] + struct.pack(">d", 1e5) + datagram[noise + 8:]
+
+
 class Relay(threading.Thread):
     """Takes the datagrams of one port to another, but for some that it drops: which ones depends on no time, but on
-    their channel, their stamp, and how often both came before."""
+    their channel, their stamp, and how often both came before. Adds forged motions, if it is to."""
 
-    def __init__(self, from_port, to_port, dropped_share):
+    def __init__(self, from_port, to_port, dropped_share, forges):
         super().__init__(daemon=True)
+        self.forger = None
+        if forges:
+            self.forger = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self.forger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
         self.to_port, self.dropped_share = to_port, dropped_share
         self.seen = collections.Counter()
         self.passed = self.dropped = 0
@@ -102,6 +117,9 @@ class Relay(threading.Thread):
             else:
                 self.passed += 1
                 self.socket.sendto(datagram, (GROUP, self.to_port))
+                if self.forger is not None and channel.endswith(b"_MOTION"):
+                    for other in forged(datagram, 8 + len(channel) + 1 + 8):
+                        self.forger.sendto(other, (GROUP, self.to_port))
 
 
 class SplitTest(unittest.TestCase):
@@ -191,14 +209,14 @@ class SplitTest(unittest.TestCase):
             self.run_whole("whole", self.log)
         return poses(self.path("whole/trajectory_online.tum"))
 
-    def split(self, name, log, dropped_share):
+    def split(self, name, log, dropped_share, forges=False):
         """The same through two processes, with a relay between them if some are to be dropped."""
         from_port = to_port = self.port
         SplitTest.port += 2  # relays go on until the end
         relay = None
-        if dropped_share > 0.0:
+        if dropped_share > 0.0 or forges:
             to_port = from_port + 1
-            relay = Relay(from_port, to_port, dropped_share)
+            relay = Relay(from_port, to_port, dropped_share, forges)
             relay.start()
         after = self.daemon(name, self.config(name, lcm={"url": url(to_port)}), "--stages", "filter")
         before = self.daemon(name + "_front", self.config(name + "_front", lcm={"url": url(from_port)}),
@@ -240,6 +258,15 @@ class SplitTest(unittest.TestCase):
               f"{aligned_m['rmse']:.3f} m, at most {aligned_m['max']:.3f} m; {len(whole) - len(lossy)} of {len(whole)} poses missing", file=sys.stderr)
         self.assertLess(off_m, 0.05)
         self.assertLess(aligned_m["rmse"], 0.02)
+
+    def test_forged_motions_are_refused_and_said(self):
+        whole = self.whole()
+        self.split("forged", self.log, 0.0, forges=True)
+        self.assertGreater(self.summary("forged")["motions_refused"], 4 * len(whole))
+        self.assertIn("motions of the matcher elsewhere are refused", self.summary("forged")["latched_reasons"])
+        forged_at = poses(self.path("forged/trajectory_online.tum"))
+        self.assertGreater(len(forged_at), 0.98 * len(whole))
+        self.assertLess(max(math.dist(forged_at[stamp], whole[stamp]) for stamp in forged_at), 0.05)
 
     def test_a_played_log_drives_the_daemon_to_the_same_map(self):
         player = shutil.which("lcm-logplayer")

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/pose2_covariance.hpp"
+#include "firmware/sources/lcm_source.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace odoless {
@@ -54,9 +55,17 @@ class FilterIntakeTest : public ::testing::Test {
     EXPECT_EQ(to_stamp_ns_, last * kPeriod_ns);
   }
 
+  /// As the sensor's report has it.
+  std::int64_t motions_refused() {
+    const LcmSource source({}, "SCAN", 16);
+    intake_.report(source, {}, {});
+    EXPECT_TRUE(pipeline_.sensor.report.update());
+    return pipeline_.sensor.report.value().source.motions_refused;
+  }
+
   Pipeline pipeline_{PipelineParams{}, RobotParams{}, false};
-  MonotonicClock clock_;
-  FilterIntake intake_{pipeline_, clock_};
+  ManualClock clock_{1'700'000'000'000'000'000};
+  FilterIntake intake_{pipeline_, clock_, {.speed_max_mps = 100.0, .turn_rate_max_radps = 100.0}};
   std::vector<float> ranges_m_;
   std::vector<bool> has_scan_;
   Pose2 sum_;
@@ -172,6 +181,44 @@ TEST_F(FilterIntakeTest, TwiceOrTooLateCountsOnce) {
   drain();
   EXPECT_EQ(has_scan_.size(), 3U);
   expect_sum_is(0, 3);
+}
+
+TEST_F(FilterIntakeTest, AMotionOfAFarTimeHoldsUpNoScanAndIsCounted) {
+  Motion forged = motion(3);
+  forged.to_stamp_ns += 3'600'000'000'000;
+  forged.from_stamp_ns += 3'600'000'000'000;
+  for (int index = 1; index <= 5; ++index) {
+    scan(index);
+    intake_.on_motion(motion(index));
+    intake_.on_motion(forged);
+  }
+  drain();
+  EXPECT_EQ(has_scan_, std::vector(5, true));
+  expect_sum_is(0, 5);
+  EXPECT_EQ(motions_refused(), 5);
+}
+
+TEST_F(FilterIntakeTest, AClockThatIsSetBackLosesNoWay) {
+  constexpr int kBack = 20;
+  constexpr std::int64_t kBack_ns = kBack * kPeriod_ns;
+  for (int index = 31; index <= 33; ++index) {
+    scan(index);
+    intake_.on_motion(motion(index));
+  }
+  for (int index = 34; index <= 60; ++index) {
+    Motion set_back = motion(index);
+    set_back.from_stamp_ns -= kBack_ns;
+    set_back.to_stamp_ns -= kBack_ns;
+    scan(index - kBack);
+    clock_.advance_by(kPeriod_ns);
+    intake_.on_motion(set_back);
+    drain();
+  }
+  EXPECT_GE(std::count(has_scan_.begin(), has_scan_.end(), true), 20);
+  const Pose2 expected = odom_T_scan(60);  // the first one makes up for all before it
+  EXPECT_NEAR(sum_.x_m, expected.x_m, 1e-9);
+  EXPECT_NEAR(sum_.y_m, expected.y_m, 1e-9);
+  EXPECT_EQ(to_stamp_ns_, 60 * kPeriod_ns - kBack_ns);
 }
 
 TEST_F(FilterIntakeTest, AFilterThatIsBusyLosesNoMotion) {

@@ -75,6 +75,16 @@ TEST_F(HealthMonitorTest, ALaserThatWasNeverThereIsAFaultOnlyOnceItWasTried) {
   expect(HealthState::kFault, kReasonDeviceClosed);
 }
 
+TEST_F(HealthMonitorTest, ALaserThatIsThereAndNeverSendsIsSaidAfterAWhile) {
+  sensor_.last_scan_ns = sensor_.period_ns = 0;
+  filter_.stage.scans = 0;
+  expect(HealthState::kInit, 0);
+  now_ns_ += params_.fault_after_ns;
+  expect(HealthState::kInit, 0);
+  now_ns_ += 1;
+  expect(HealthState::kInit, kReasonNoScans);
+}
+
 TEST_F(HealthMonitorTest, BlindAndStuckScansDegrade) {
   sensor_.blind = true;
   expect(HealthState::kDegraded, kReasonBlind);
@@ -144,6 +154,8 @@ INSTANTIATE_TEST_SUITE_P(
     Counts, GrowingCount,
     ::testing::Values(
         Growing{"Rejected", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.rejected; }},
+        Growing{"Motions", kReasonBadMotions,
+                [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.motions_refused; }},
         Growing{"Servo", kReasonBadTilt, [](auto& sensor, auto&, auto&, auto&) { ++sensor.tilt.refused; }},
         Growing{"Late", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.late; }},
         Growing{"Dropped", kReasonOverload, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.dropped; }},
@@ -169,7 +181,7 @@ TEST(HealthText, SaysWhatTheStampsWereLike) {
 
 TEST(HealthText, EveryReasonHasItsOwnWords) {
   std::string before;
-  for (std::uint32_t reason = 1; reason <= kReasonBadTilt; reason <<= 1U) {
+  for (std::uint32_t reason = 1; reason <= kReasonBadMotions; reason <<= 1U) {
     const std::string text = reasons_text(reason);
     EXPECT_FALSE(text.empty()) << reason;
     EXPECT_NE(text, before);

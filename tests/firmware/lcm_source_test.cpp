@@ -147,7 +147,8 @@ TEST_F(LcmSourceTest, RefusesWhatIsNoMeasurement) {
   send_scan(channels_.scan, 10);
   EXPECT_EQ(heard().scans_us, Stamps{10});
   EXPECT_EQ(heard().motions_us, Stamps{});
-  EXPECT_EQ(counts().rejected, 2);
+  EXPECT_EQ(counts().rejected, 1);
+  EXPECT_EQ(counts().motions_refused, 1);
   EXPECT_EQ(counts().datagrams_lost, 0);
 }
 

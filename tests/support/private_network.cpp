@@ -58,8 +58,10 @@ bool host_has_multicast() {
   return routed;
 }
 
+bool leave_the_hosts() { return unshare(CLONE_NEWNET) == 0 || unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0; }
+
 std::string enter() {
-  if (unshare(CLONE_NEWNET) == 0 || unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0) {
+  if (leave_the_hosts()) {
     return raise_loopback();
   }
   const std::string refused = reason("unshare");
@@ -72,6 +74,10 @@ std::string enter_private_network() {
   static const std::string wrong = enter();
   return wrong;
 }
+
+std::string enter_dead_network() { return leave_the_hosts() ? "" : reason("unshare"); }
+
+std::string raise_network() { return raise_loopback(); }
 
 std::string lcm_url() { return "udpm://239.255.76.67:" + std::to_string(20'000 + getpid() % 20'000); }
 

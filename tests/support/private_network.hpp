@@ -10,6 +10,11 @@ namespace odoless::test {
 /// @return  Why there is none and the host's network has no multicast either; empty if tests can go on.
 [[nodiscard]] std::string enter_private_network();
 
+/// A network for this process alone that leads nowhere, as on a host without one. @return  Why there is none.
+[[nodiscard]] std::string enter_dead_network();
+/// The same network comes up: multicast stays on the loopback device. @return  Why it doesn't.
+[[nodiscard]] std::string raise_network();
+
 /// An address of LCM for the calling process. In a private network it could be the same for all; on the host's it is
 /// not.
 [[nodiscard]] std::string lcm_url();

@@ -49,6 +49,31 @@ TEST(Command, RefusesWrongUsage) {
   }
 }
 
+// A script whose variable is empty does not mean what is built in.
+TEST(Command, RefusesAnEmptyValue) {
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"replay", "a.log", "--out", "b", "--config", ""},
+                                                                     {"replay", "a.log", "--out", ""},
+                                                                     {"info", ""},
+                                                                     {"info", "--config="},
+                                                                     {"memory", ""},
+                                                                     {"ctl", "--config", "", "status"},
+                                                                     {"ctl", "--socket", "", "status"},
+                                                                     {"ctl", ""},
+                                                                     {"emulate", "robot", "--from-raw", ""}}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 64) << arguments[0];
+    EXPECT_NE(outcome.err, "") << arguments[0];
+  }
+}
+
+TEST(Command, CtlTakesOneLineThatIsNotTooLong) {
+  for (const std::string& command : {std::string("status\nstop"), std::string(1025, 'x')}) {
+    const Outcome outcome = run({"ctl", "--socket", "/nowhere", command});
+    EXPECT_EQ(outcome.status, 64);
+    EXPECT_THAT(outcome.err, HasSubstr("one line of at most 1024 bytes"));
+  }
+}
+
 TEST(Command, InfoTellsWhatALogHolds) {
   const test::TemporaryFolder folder;
   const std::string log = folder.file("a.log", kLog).string();

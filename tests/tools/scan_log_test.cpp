@@ -10,6 +10,8 @@
 
 #include "tests/support/data.hpp"
 #include "tools/command/error.hpp"
+#include "tools/log/reference_poses.hpp"
+#include "tools/log/tilt_log.hpp"
 
 namespace odoless {
 namespace {
@@ -29,6 +31,18 @@ std::string error_of(std::string_view text) {
     static_cast<void>(read(text));
   } catch (const DataError& error) {
     EXPECT_EQ(error.exit_code(), 65);
+    return error.what();
+  }
+  return "no error";
+}
+
+/// What of a text is wrong where only so much of it may be kept.
+template <class Read>
+std::string refusal_within(std::size_t kept_bytes, const std::string& text, const Read& read) {
+  LineReader lines(view_bytes(text, "bomb"), "bomb", kept_bytes);
+  try {
+    static_cast<void>(read(lines));
+  } catch (const DataError& error) {
     return error.what();
   }
   return "no error";
@@ -221,6 +235,32 @@ INSTANTIATE_TEST_SUITE_P(
       const std::string name = log.param.file;
       return name.substr(0, name.find_first_of("-."));
     });
+
+TEST(ScanLog, AByteOrderMarkCostsNoScan) {
+  EXPECT_EQ(read("\xEF\xBB\xBF" + flaser(3) + "\n" + flaser(3) + "\n").scans.size(), 2U);
+}
+
+// A line of a few bytes, and packed of hardly any, becomes a scan of many.
+TEST(ScanLog, KeepsNoMoreOfALogThanItMay) {
+  constexpr std::size_t kMiB = std::size_t{1} << 20;
+  std::string scans;
+  std::string poses;
+  std::string rows;
+  for (int i = 0; i < 40'000; ++i) {
+    scans += "FLASER 1 1 0 0 0 0 0 0 1 h 1\n";
+    poses += fmt::format("{} 1 2 3\n", i);
+    rows += fmt::format("{0},{0},0,{0},0,1,0.1,0,0,1,1,1\n", i);
+  }
+  const auto as_log = [](LineReader& lines) { return read_scan_log(lines); };
+  const auto as_poses = [](LineReader& lines) { return read_reference_poses(lines); };
+  const auto as_rows = [](LineReader& lines) { return read_tilt_log(lines); };
+  EXPECT_THAT(refusal_within(kMiB, scans, as_log), HasSubstr("takes more than 1 MiB of memory"));
+  EXPECT_THAT(refusal_within(kMiB, scans, as_poses), HasSubstr("takes more than 1 MiB of memory"));
+  EXPECT_THAT(refusal_within(kMiB, poses, as_poses), HasSubstr("takes more than 1 MiB of memory"));
+  EXPECT_THAT(refusal_within(kMiB, rows, as_rows), HasSubstr("takes more than 1 MiB of memory"));
+  EXPECT_EQ(refusal_within(8 * kMiB, scans, as_log), "no error");
+  EXPECT_EQ(refusal_within(8 * kMiB, rows, as_rows), "no error");
+}
 
 }  // namespace
 }  // namespace odoless

@@ -110,5 +110,37 @@ TEST(LineReader, GivesLinesWhateverTheirEnds) {
   EXPECT_EQ(lines.number(), 4);
 }
 
+std::vector<std::string> lines_of(const std::string& text) {
+  LineReader lines(view_bytes(text, "text"), "text");
+  std::string_view line;
+  std::vector<std::string> all;
+  while (lines.next(line)) {
+    all.emplace_back(line);
+  }
+  return all;
+}
+
+TEST(LineReader, PassesOverTheMarkThatEditorsPutFirstAndRefusesUtf16) {
+  const std::string mark = "\xEF\xBB\xBF";
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(lines_of(mark + "one\ntwo"), (Lines{"one", "two"}));
+  EXPECT_EQ(lines_of(mark), Lines{});
+  EXPECT_EQ(lines_of("a\n" + mark + "b"), (Lines{"a", mark + "b"}));
+  EXPECT_EQ(lines_of(gzip(mark + "one")), Lines{"one"});
+  EXPECT_EQ(lines_of("\xEF"), Lines{"\xEF"});
+  for (const std::string& text : {std::string("\xFF\xFEx\0", 4), std::string("\xFE\xFF\0x", 4)}) {
+    EXPECT_THROW(static_cast<void>(lines_of(text)), DataError);
+  }
+}
+
+TEST(LineReader, RefusesToKeepMoreThanItMay) {
+  LineReader lines(view_bytes("a\nb\n", "text"), "text", 100);
+  std::string_view line;
+  ASSERT_TRUE(lines.next(line));
+  lines.keep(100);
+  ASSERT_TRUE(lines.next(line));
+  EXPECT_THROW(lines.keep(1), DataError);
+}
+
 }  // namespace
 }  // namespace odoless

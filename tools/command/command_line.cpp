@@ -10,6 +10,7 @@
 #include "tools/command/campaign.hpp"
 #include "tools/command/cloud.hpp"
 #include "tools/command/ctl.hpp"
+#include "tools/command/empty_values.hpp"
 #include "tools/command/emulate.hpp"
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
@@ -75,6 +76,7 @@ int run_command_line(int argc, const char* const* argv) {
     app.set_help_all_flag("--help-all", "Print the help of every sub-command");
     app.failure_message(CLI::FailureMessage::simple);
     add_commands(app);
+    refuse_empty_values(app);
     const int status = parse_and_run(app, argc, argv);
     flush_output();
     return status;

@@ -36,6 +36,9 @@ void run_ctl(const CtlArguments& arguments) {
   for (const std::string& word : arguments.command) {
     command += (command.empty() ? "" : " ") + word;
   }
+  if (command.size() > ControlServer::kCommandMaxBytes || command.find('\n') != std::string::npos) {
+    throw UsageError(fmt::format("a command is one line of at most {} bytes", ControlServer::kCommandMaxBytes));
+  }
   std::string answer;
   if (const int error = send_command(socket, command, answer); error != 0) {
     throw UserError(EX_UNAVAILABLE,

@@ -1,32 +1,26 @@
 #include "tools/emulate/raw_recording.hpp"
 
 #include <fmt/format.h>
-#include <lcm/eventlog.h>
 
 #include <algorithm>
 #include <bot_core/raw_t.hpp>
-#include <memory>
 #include <optional>
 #include <string_view>
 
 #include "drivers/tilt/cia402/canopen.hpp"
 #include "tools/command/error.hpp"
+#include "tools/emulate/event_log.hpp"
 #include "tools/log/candump.hpp"
 
 namespace odoless {
 namespace {
 
-struct LogDeleter {
-  void operator()(lcm_eventlog_t* log) const { lcm_eventlog_destroy(log); }
-};
-struct EventDeleter {
-  void operator()(lcm_eventlog_event_t* event) const { lcm_eventlog_free_event(event); }
-};
+constexpr std::size_t kKeptBytesMax = std::size_t{1} << 30;
 
-RawPiece decoded(const lcm_eventlog_event_t& event, bool to_device, const std::filesystem::path& path) {
+RawPiece decoded(const LoggedMessage& message, bool to_device, const std::filesystem::path& path) {
   bot_core::raw_t raw{};
-  if (raw.decode(event.data, 0, event.datalen) < 0) {
-    throw DataError(path.string(), 0, fmt::format("event {} is damaged", event.eventnum), "bot_core.raw_t");
+  if (raw.decode(message.data.data(), 0, static_cast<int>(message.data.size())) < 0) {
+    throw DataError(path.string(), 0, fmt::format("message {} is damaged", message.number), "bot_core.raw_t");
   }
   return {raw.utime, to_device, {raw.data.begin(), raw.data.end()}};
 }
@@ -82,28 +76,30 @@ void add_servo(RawRecording& recording, RawPiece piece) {
   recording.servo.push_back(std::move(piece));
 }
 
-void add(RawRecording& recording, const lcm_eventlog_event_t& event, const std::filesystem::path& path) {
-  const std::string_view channel(event.channel, static_cast<std::size_t>(event.channellen));
+void add(RawRecording& recording, const LoggedMessage& message, const std::filesystem::path& path) {
+  const std::string_view channel(message.channel);
   const bool to_device = channel.ends_with("_RAW_TX");
   if (channel.ends_with("LRF_RAW_RX") || channel.ends_with("LRF_RAW_TX")) {
-    recording.laser.push_back(decoded(event, to_device, path));
+    recording.laser.push_back(decoded(message, to_device, path));
   } else if (channel.ends_with("TILT_RAW_RX") || channel.ends_with("TILT_RAW_TX")) {
-    add_servo(recording, decoded(event, to_device, path));
+    add_servo(recording, decoded(message, to_device, path));
   } else if (channel.ends_with("GPIO_RAW_RX") || channel.ends_with("GPIO_RAW_TX")) {
-    recording.gpio.push_back(decoded(event, to_device, path));
+    recording.gpio.push_back(decoded(message, to_device, path));
   }
 }
 
 }  // namespace
 
 RawRecording read_raw_recording(const std::filesystem::path& path) {
-  const std::unique_ptr<lcm_eventlog_t, LogDeleter> log(lcm_eventlog_create(path.c_str(), "r"));
-  if (!log) {
-    throw NoInputError(path.string() + ": cannot be opened");
-  }
+  EventLog log(open_bytes(path), path.string());
   RawRecording recording;
-  while (const std::unique_ptr<lcm_eventlog_event_t, EventDeleter> event{lcm_eventlog_read_next_event(log.get())}) {
-    add(recording, *event, path);
+  std::size_t kept_bytes = 0;
+  for (LoggedMessage message; log.next(message);) {
+    kept_bytes += message.channel.find("_RAW_") != std::string::npos ? message.data.size() + sizeof(RawPiece) : 0;
+    if (kept_bytes > kKeptBytesMax) {
+      throw DataError(path.string(), 0, "there are more than 1024 MiB of devices' bytes", "a part of this log");
+    }
+    add(recording, message, path);
   }
   if (recording.laser.empty() && recording.servo.empty() && recording.gpio.empty()) {
     throw DataError(

@@ -27,6 +27,7 @@ std::vector<Relation> read_relations(const std::filesystem::path& path) {
   while (lines.next(line)) {
     fields.split(line, lines);
     if (fields.size() > 0 && !fields.text(0).starts_with('#')) {
+      lines.keep(sizeof(Relation));
       relations.push_back(parse_relation(fields));
     }
   }

@@ -124,6 +124,7 @@ std::vector<RecordedCanFrame> read_candump(const std::filesystem::path& path) {
       throw DataError(lines.name(), lines.number(), std::string(line.substr(0, 80)),
                       "a line of candump -L, such as (1700000000.123456) can0 181#3706000000000001");
     }
+    lines.keep(sizeof(RecordedCanFrame));
     frames.push_back(*std::move(frame));
   }
   return frames;

@@ -96,7 +96,11 @@ ReferencePoses read_reference_poses(LineReader& lines) {
   std::string_view line;
   while (lines.next(line)) {
     fields.split(line, lines);
-    if (fields.size() == 0 || fields.text(0).starts_with('#') || log.add(fields)) {
+    if (fields.size() == 0 || fields.text(0).starts_with('#')) {
+      continue;
+    }
+    if (log.add(fields)) {
+      lines.keep(2 * sizeof(ReferencePose));
       continue;
     }
     // A log has many other messages, a trajectory has numbers only.
@@ -104,6 +108,7 @@ ReferencePoses read_reference_poses(LineReader& lines) {
       continue;
     }
     result.poses.push_back(parse_pose(fields));
+    lines.keep(sizeof(ReferencePose));
   }
   if (!log.empty()) {
     return log.finish();

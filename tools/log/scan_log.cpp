@@ -17,7 +17,7 @@ constexpr const char* kKnownScans =
 /// Grows a log line by line; the first scan decides the format.
 class LogBuilder {
  public:
-  void add(std::string_view line, const LineReader& lines) {
+  void add(std::string_view line, LineReader& lines) {
     line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
     if (format_ == nullptr) {
       format_ = find_scan_format(line);
@@ -42,7 +42,7 @@ class LogBuilder {
   }
 
  private:
-  void add_scan(std::string_view line, const LineReader& lines) {
+  void add_scan(std::string_view line, LineReader& lines) {
     fields_.split(line, lines, format_->separator);
     LineScan parsed = log_.scans.empty() ? parse_first() : format_->parse(fields_);
     if (!log_.scans.empty() && parsed.has_stamp != has_stamps_) {
@@ -50,6 +50,7 @@ class LogBuilder {
                    "stamps in all scans or in none");
     }
     has_stamps_ = parsed.has_stamp;
+    lines.keep(sizeof(LogScan) + sizeof(float) * parsed.scan.ranges_m.size());
     stamps_ns_.push_back(parsed.scan.stamp_ns);
     log_.scans.push_back(std::move(parsed.scan));
   }

@@ -137,7 +137,9 @@ TiltLog read_tilt_log(LineReader& lines) {
   while (lines.next(line)) {
     if (!line.empty() && line.front() != '#') {
       fields.split(line, lines, ',');
-      add(parse_row(fields), log, differences_ns);
+      Row row = parse_row(fields);
+      lines.keep(sizeof(ServoAngle) + sizeof(LogScan) + sizeof(float) * row.scan.ranges_m.size());
+      add(std::move(row), log, differences_ns);
     }
   }
   std::stable_sort(log.angles.begin(), log.angles.end(), by_stamp<ServoAngle>);

@@ -13,7 +13,9 @@
 
 #include "config/config.hpp"
 #include "firmware/daemon/daemon.hpp"
+#include "firmware/daemon/start_up.hpp"
 #include "rt/clock.hpp"
+#include "tools/command/empty_values.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/plausibility.hpp"
 #include "tools/odolessd/replay_source.hpp"
@@ -126,6 +128,11 @@ int run(const Arguments& arguments) {
   return run_daemon(std::move(options));
 }
 
+std::string out_of_memory_text() {
+  return "memory does not suffice for this configuration: `odoless memory ROBOT.toml` tells what it needs" +
+         memory_limits_text();
+}
+
 int fail(int status, const char* what, const char* reason) {
   static_cast<void>(std::fprintf(stderr, "odolessd: %s%s\n", what, reason));
   return status;
@@ -137,6 +144,7 @@ int run_odolessd(int argc, const char* const* argv) {
   CLI::App app("SLAM for robots without odometry: the daemon", "odolessd");
   Arguments arguments;
   define(app, arguments);
+  refuse_empty_values(app);
   try {
     app.parse(argc, argv);
     return run(arguments);
@@ -147,7 +155,7 @@ int run_odolessd(int argc, const char* const* argv) {
   } catch (const ConfigError& error) {
     return fail(EX_CONFIG, "", error.what());
   } catch (const std::bad_alloc&) {
-    return fail(EX_OSERR, "", "out of memory");
+    return fail(EX_OSERR, "", out_of_memory_text().c_str());
   } catch (const std::exception& error) {
     return fail(EX_SOFTWARE, "internal error: ", error.what());
   }

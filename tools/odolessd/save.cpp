@@ -73,6 +73,7 @@ nlohmann::ordered_json summary_of(const DaemonResult& result) {
   summary["latched_reasons"] = reasons_text(health.latched_reasons);
   summary["scans_accepted"] = health.lrf.accepted;
   summary["scans_rejected"] = health.lrf.rejected;
+  summary["motions_refused"] = health.lrf.motions_refused;
   summary["scans_dropped"] = health.lrf.dropped;
   summary["scans_late"] = health.lrf.late;
   summary["scan_times"] = times_text(health.lrf.times);

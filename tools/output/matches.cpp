@@ -63,6 +63,7 @@ std::vector<MatchRow> read_matches(const std::filesystem::path& path) {
   while (lines.next(line)) {
     fields.split(line, lines, ',');
     if (fields.size() > 0) {
+      lines.keep(sizeof(MatchRow));
       rows.push_back(parse_row(fields));
     }
   }

@@ -180,6 +180,8 @@ World build_world(LineReader& lines) {
     fields.split(line.substr(0, line.find('#')), lines);
     builder.at_line(lines.number());
     if (fields.size() > 0) {
+      constexpr std::size_t kStatement_bytes = 256;  // more than any makes
+      lines.keep(kStatement_bytes);
       apply(fields, builder);
     }
   }

@@ -9,6 +9,8 @@ namespace {
 constexpr std::int64_t kQuietNs = 60'000'000;        ///< silence after which a line counts as drained
 constexpr std::int64_t kDrainMaxNs = 1'000'000'000;  ///< then the next step is tried all the same
 constexpr std::int64_t kPauseNs = 1'000'000'000;     ///< before a broken device is asked again
+constexpr int kProbesMax =
+    5;  ///< that a device answers on its way: SCIP 1.1, time mode, another rate, and one to spare
 constexpr std::array<int, 6> kRatesBaud{19200, 57600, 115200, 250000, 500000, 750000};
 
 bool is_ok(const Reply& reply) {
@@ -23,6 +25,7 @@ BringUp::BringUp(const LrfParams& params, ScanStream& stream)
 
 void BringUp::start(std::int64_t now_ns, bool with_reset) {
   silence_told_ = false;
+  probes_answered_ = 0;
   enter(with_reset ? Step::kReset : Step::kDrain, now_ns);
 }
 
@@ -87,6 +90,7 @@ void BringUp::pause(Errc reason, Status device_status, std::int64_t now_ns, LrfS
                  .reason = reason,
                  .device_status = device_status});
   reset_is_due_ = is_device_error;
+  probes_answered_ = 0;  // why it does not stream is told
   enter(Step::kPause, now_ns);
 }
 
@@ -122,9 +126,12 @@ void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
   enter(Step::kDrain, now_ns);
 }
 
-void BringUp::on_probe(const Reply& reply, std::int64_t now_ns) {
+void BringUp::on_probe(const Reply& reply, std::int64_t now_ns, LrfSink& sink) {
   if (reply.line(0) != "QT") {
     return;  // the end of what ran before
+  }
+  if (probes_answered_++ == kProbesMax) {
+    sink.on_event({.type = LrfEventType::kUnanswered, .reason = Errc::kDeviceSilent});
   }
   if (is_scip1(reply)) {
     enter(Step::kSwitch, now_ns);
@@ -191,7 +198,7 @@ void BringUp::on_reply(const Reply& reply, std::int64_t now_ns, LrfSink& sink) {
       return;
     }
     case Step::kProbe:
-      on_probe(reply, now_ns);
+      on_probe(reply, now_ns, sink);
       return;
     case Step::kSetRate:
       on_rate(reply, now_ns);

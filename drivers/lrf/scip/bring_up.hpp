@@ -20,7 +20,8 @@ namespace odoless::scip {
 ///   4. PP: steps, ranges and rate are the device's;
 ///   5. MD, MS or ME: the stream.
 ///
-/// Every answer that doesn't come or cannot be understood leads back to 1; a device that is broken is reset (RS).
+/// Every answer that doesn't come or cannot be understood leads back to 1; a device that is broken is reset (RS). One
+/// that answers in 2 again and again, and never gets farther, is told of once (LrfEventType::kUnanswered).
 /// Thread: one thread. Real time: no allocation.
 class BringUp {
  public:
@@ -61,7 +62,7 @@ class BringUp {
   void pause(Errc reason, Status device_status, std::int64_t now_ns, LrfSink& sink);
   void send(std::string_view request);
   [[nodiscard]] std::string_view request_of(Step step);
-  void on_probe(const Reply& reply, std::int64_t now_ns);
+  void on_probe(const Reply& reply, std::int64_t now_ns, LrfSink& sink);
   void on_parameters(const Reply& reply, std::int64_t now_ns, LrfSink& sink);
   void on_started(const Reply& reply, std::int64_t now_ns, LrfSink& sink);
   void on_rate(const Reply& reply, std::int64_t now_ns);
@@ -76,6 +77,7 @@ class BringUp {
   int rates_tried_ = 0;
   bool rate_settled_ = false;  ///< the wished rate is there, or was refused
   bool silence_told_ = false;  ///< once per outage
+  int probes_answered_ = 0;    ///< since the bring-up began
   bool reset_is_due_ = false;  ///< after the pause
   std::uint64_t device_errors_ = 0;
   std::array<char, 32> request_{};

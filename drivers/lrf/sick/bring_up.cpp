@@ -18,6 +18,7 @@ constexpr std::int64_t kSettleNs = 100'000'000;    ///< from the answer to the n
 constexpr std::int64_t kPauseNs = 1'000'000'000;   ///< before a broken device is asked again
 constexpr int kNaksMax = 3;
 constexpr int kDeafRoundsMax = 5;
+constexpr int kStopsMax = 3;  ///< that a device answers on its way: at two rates, and one to spare
 
 struct Rate {
   int baud;
@@ -75,6 +76,7 @@ BringUp::BringUp(const LrfParams& params, ScanStream& stream)
 void BringUp::start(std::int64_t now_ns, bool with_reset) {
   silence_told_ = false;
   deaf_rounds_ = 0;
+  stops_answered_ = 0;
   enter(with_reset ? Step::kReset : Step::kStop, now_ns);
 }
 
@@ -162,6 +164,7 @@ void BringUp::fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink&
                  .reason = reason,
                  .device_status = device_status});
   reset_is_due_ = is_device_error && !only_asks_;
+  stops_answered_ = 0;  // why it does not stream is told
   enter(Step::kPause, now_ns);
 }
 
@@ -245,6 +248,9 @@ void BringUp::on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& 
       return enter(Step::kStop, now_ns);
     case Step::kStop:
       deaf_rounds_ = 0;
+      if (stops_answered_++ == kStopsMax) {
+        sink.on_event({.type = LrfEventType::kUnanswered, .reason = Errc::kDeviceSilent});
+      }
       return enter(Step::kAskStatus, now_ns);
     case Step::kAskStatus:
       return on_status(telegram, now_ns, sink);

@@ -30,7 +30,8 @@ struct Found {
 ///   6. start the stream.
 ///
 /// A line whose rate isn't ours to set (a serial device server's) keeps it, and so does the device.
-/// Every answer that doesn't come or isn't understood leads back to 1; a device that is broken is reset.
+/// Every answer that doesn't come or isn't understood leads back to 1; a device that is broken is reset. One that
+/// answers in 1 again and again, and never gets farther, is told of once (LrfEventType::kUnanswered).
 /// Thread: one thread. Real time: no allocation.
 class BringUp {
  public:
@@ -99,6 +100,7 @@ class BringUp {
   bool heard_ = false;         ///< a telegram came at this rate since the stop was sent
   bool rate_refused_ = false;  ///< the device doesn't want the wished rate
   bool silence_told_ = false;  ///< once per outage
+  int stops_answered_ = 0;     ///< since the bring-up began
   bool reset_is_due_ = false;  ///< after the pause
   std::uint64_t device_errors_ = 0;
   std::array<std::byte, kConfigurationBytes> configuration_{};

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "core/geometry/pose2.hpp"
+#include "drivers/tilt/tilt_params.hpp"
+
+namespace odoless {
+
+/// What somebody may ask of the daemon.
+struct ControlCommand {
+  enum class Kind { kStatus, kSave, kReset, kPose, kPause, kResume, kTilt, kStop };
+  Kind kind = Kind::kStatus;
+  Pose2 map_T_scan{};                     ///< of kPose: finite, within `kPoseMax_m`
+  TiltCommand tilt = TiltCommand::kStop;  ///< of kTilt
+};
+
+/// Farthest from the map's origin, along x and y, that a robot can be put.
+inline constexpr double kPoseMax_m = 10'000.0;
+
+/// All commands, for a person.
+inline constexpr const char* kControlCommands =
+    "status, save, reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, stop";
+
+/// Reads a command, word by word, from whoever may write to the socket: nothing of it is trusted.
+/// @return  The command, or why it is refused: what is wrong and what would be right.
+[[nodiscard]] std::variant<ControlCommand, std::string> parse_control_command(std::string_view line);
+
+}  // namespace odoless
