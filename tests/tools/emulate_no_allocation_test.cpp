@@ -71,6 +71,7 @@ TEST_P(LrfAllocation, NothingIsAllocatedAfterConstruction) {
 INSTANTIATE_TEST_SUITE_P(All, LrfAllocation,
                          ::testing::Values(TestedLaser{"scip", "urg-04lx", LrfDriver::kScip},
                                            TestedLaser{"sick", "lms200", LrfDriver::kSick},
+                                           TestedLaser{"ldrobot", "ld06", LrfDriver::kLdrobot},
                                            TestedLaser{"rplidar_standard", "rplidar-a1", LrfDriver::kRplidar},
                                            TestedLaser{"rplidar_express", "rplidar-a2", LrfDriver::kRplidar,
                                                        RplidarScan::kExpress}),
