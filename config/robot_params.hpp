@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/match/matcher_params.hpp"
+#include "core/motion/robot_limits.hpp"
 #include "core/odometry/laser_odometry.hpp"
 #include "core/scan/scan_frame.hpp"
 #include "core/slam/recovery_params.hpp"
@@ -24,6 +25,7 @@ struct GateParams {
 
 /// All that a configuration file can say.
 struct RobotParams {
+  RobotLimits limits;
   ScanParams scan;
   MatcherParams matcher;
   LaserOdometryParams odometry;
@@ -33,6 +35,7 @@ struct RobotParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
+    visit.group("robot", self.limits, "How the robot, or whoever carries the laser, can move.");
     visit.group("scan", self.scan, "What of a scan is used.");
     visit.group("matcher", self.matcher, "Scan matching: NDT and Differential Evolution.");
     visit.group("odometry", self.odometry, "Tracking from scan to scan against a local map.");

@@ -135,15 +135,17 @@ int GlobalSearch::sweep_place() {
   const auto count = [&](double min_m, double max_m) {
     return max_m < min_m ? 0 : static_cast<std::int64_t>((max_m - min_m) / params_.step_m) + 1;
   };
-  const std::int64_t columns = count(known_min_m_.x_m, known_max_m_.x_m);
+  const std::int64_t columns = std::max<std::int64_t>(1, count(known_min_m_.x_m, known_max_m_.x_m));
   const std::int64_t rows = count(known_min_m_.y_m, known_max_m_.y_m);
   if (next_ >= columns * rows) {
     next_ = 0;
     phase_ = Phase::kClimb;
     return 1;
   }
-  const Point2 p_map{known_min_m_.x_m + static_cast<double>(next_ % columns) * params_.step_m,
-                     known_min_m_.y_m + static_cast<double>(next_ / columns) * params_.step_m};
+  const std::int64_t row = next_ / columns;
+  const std::int64_t column = next_ % columns;
+  const Point2 p_map{known_min_m_.x_m + static_cast<double>(column) * params_.step_m,
+                     known_min_m_.y_m + static_cast<double>(row) * params_.step_m};
   ++next_;
   if (!fine_.is_free({p_map.x_m - p_map_centre_.x_m, p_map.y_m - p_map_centre_.y_m})) {
     return 1;

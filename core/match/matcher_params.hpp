@@ -39,6 +39,7 @@ struct SearchParams {
   double box_translation_m = 2.0;
   double box_rotation_rad = 1.4835;
   int start_points = 400;
+  double expected_share = 0.5;
   int coarse_evaluations = 750;
   int fine_evaluations = 600;
   int coarse_every = 4;
@@ -55,6 +56,8 @@ struct SearchParams {
     visit.value("box_rotation_rad", self.box_rotation_rad, Range{0.001, 3.1416}, "Half the rotation that is searched.");
     visit.value("start_points", self.start_points, Range{8, 10000},
                 "Candidates scored to choose the first population.");
+    visit.value("expected_share", self.expected_share, Range{0.0, 1.0},
+                "Share of these that lie as the motion is expected; the others are spread evenly over the box.");
     visit.value("coarse_evaluations", self.coarse_evaluations, Range{0, 1000000}, "Evaluations on the blurred raster.");
     visit.value("fine_evaluations", self.fine_evaluations, Range{0, 1000000}, "Evaluations on the fine raster.");
     visit.value("coarse_every", self.coarse_every, Range{1, 100}, "The coarse search looks at one point in so many.");
@@ -80,13 +83,12 @@ struct MatcherParams {
   SearchParams retry{.box_translation_m = 4.0,
                      .box_rotation_rad = 3.1416,
                      .start_points = 800,
+                     .expected_share = 0.0,
                      .coarse_evaluations = 1200,
                      .fine_evaluations = 900};
   int refine_steps = 12;
   double score_min = 0.2;
   double prior_weight = 0.1;
-  double speed_sd_mps = 1.5;
-  double turn_rate_sd_radps = 6.3;
   double second_peak_ratio_max = 0.9;
 
   template <class Self, class Visitor>
@@ -102,10 +104,6 @@ struct MatcherParams {
                 "that helps.");
     visit.value("prior_weight", self.prior_weight, Range{0.0, 1.0},
                 "How much a pose loses beyond the expected deviations, times the logarithm of their squares.");
-    visit.value("speed_sd_mps", self.speed_sd_mps, Range{0.0, 100.0},
-                "Speed that a pair of scans alone may well show; 0: any.");
-    visit.value("turn_rate_sd_radps", self.turn_rate_sd_radps, Range{0.0, 100.0},
-                "Turn rate that a pair of scans alone may well show; 0: any.");
     visit.value("second_peak_ratio_max", self.second_peak_ratio_max, Range{0.0, 1.0},
                 "A second peak that scores this share of the best makes the match ambiguous.");
   }

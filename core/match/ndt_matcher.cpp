@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kReturns_min = 8;
 constexpr int kProbe_steps = 30;
+constexpr int kRest_steps = 60;
 constexpr double kPoints_per_fact = 5.0;   // neighbouring points err together: the same wall, the same cell
 constexpr double kStray_share = 0.03;      // of the strongest translation's information
 constexpr double kInformation_min = 1e-3;  // per return: keeps the covariance of a direction without hold finite
@@ -37,6 +38,7 @@ MatcherParams seed_matcher_params() {
   params.reference.thinning_m = 0.0;
   params.reference.free_penalty = 0.0;
   params.search.start_points = 100;
+  params.search.expected_share = 0.0;
   params.search.coarse_evaluations = 0;
   params.search.fine_evaluations = 5000;
   params.search.exact = true;
@@ -50,8 +52,9 @@ MatcherParams seed_matcher_params() {
   return params;
 }
 
-Expectation expect_rest(const MatcherParams& params, double period_s) {
-  return {Pose2{}, params.speed_sd_mps * std::max(0.0, period_s), params.turn_rate_sd_radps * std::max(0.0, period_s)};
+Expectation expect_rest(const RobotLimits& limits, double period_s) {
+  const double half_s = 0.5 * std::max(0.0, period_s);
+  return {Pose2{}, limits.speed_max_mps * half_s, limits.turn_rate_max_radps * half_s};
 }
 
 NdtMatcher::NdtMatcher(const MatcherParams& params)
@@ -84,23 +87,25 @@ Result<MatchResult> NdtMatcher::match(MatchReference& reference, const ScanFrame
 
   MatchResult result;
   const MotionPrior prior{expected.reference_T_scan, expected.sd_m, expected.sd_rad, params_.prior_weight};
+  result.escalated = expected.is_wide;
   SearchOutcome outcome = search(reference, prior, deadline, rng, result);
+  const SearchGround ground{reference.coarse(), reference.fine(), reference.orientations(), prior,
+                            reference.exact_ndt()};
+  if (expected.is_wide) {
+    const SearchPoint rest = to_search_point(expected.rest_T_scan);
+    outcome.peaks.offer(PoseSearch::climb(ground, scan_.points, rest, kRest_steps, outcome.evaluations));
+  }
   climb(reference, outcome, result);
-  const double before = outcome.best.score;
-  probe({reference.coarse(), reference.fine(), reference.orientations(), prior, reference.exact_ndt()}, outcome,
-        result.weak_direction);
-  if (outcome.best.score > before) {
+  const double before = outcome.peaks.best().score;
+  probe(ground, outcome, result.weak_direction);
+  if (outcome.peaks.best().score > before) {
     climb(reference, outcome, result);
   }
-  result.score = outcome.best.score;
+  result.score = outcome.peaks.best().score;
   result.evaluations += outcome.evaluations;
   result.stop = outcome.stop;
-  if (outcome.second) {
-    result.second_peak =
-        SecondPeak{to_pose(outcome.second->point), outcome.second->score / std::max(1e-9, outcome.best.score)};
-  }
-  const bool ambiguous = result.second_peak && result.second_peak->score_ratio > params_.second_peak_ratio_max;
-  result.converged = !is_poor(outcome) && !ambiguous;
+  weigh(outcome.peaks, result);
+  result.converged = !is_poor(outcome) && result.second_peak_ratio() <= params_.second_peak_ratio_max;
   return result;
 }
 
@@ -110,16 +115,16 @@ SearchOutcome NdtMatcher::search(MatchReference& reference, const MotionPrior& p
                             reference.exact_ndt()};
   SearchOutcome first = search_.run(ground, scan_, deadline, rng);
   // What has climbed out of the box is one of the answers out there, and not the best of them for sure.
-  if ((!is_poor(first) && search_.box().holds(first.best.point)) || first.stop == StopReason::kDeadline) {
+  const bool is_enough = !result.escalated && !is_poor(first) && search_.box().holds(first.peaks.best().point);
+  if (is_enough || first.stop == StopReason::kDeadline) {
     return first;
   }
   result.escalated = true;
   const SearchGround wide{reference.wide(), reference.fine(), reference.orientations(), prior, reference.exact_ndt()};
   SearchOutcome again = retry_.run(wide, scan_, deadline, rng);
   again.evaluations += first.evaluations;
-  if (first.best.score >= again.best.score) {
-    std::swap(again.best, first.best);
-    again.second = first.second;
+  for (const ScoredPoint& peak : first.peaks.all()) {
+    again.peaks.offer(peak);
   }
   return again;
 }
@@ -128,25 +133,33 @@ void NdtMatcher::probe(const SearchGround& ground, SearchOutcome& outcome, Point
   if (params_.search.probe_m == 0.0) {
     return;
   }
+  const SearchPoint best = outcome.peaks.best().point;
   for (const double sign : {-1.0, 1.0}) {
-    SearchPoint start = outcome.best.point;
+    SearchPoint start = best;
     start[0] += sign * params_.search.probe_m * direction.x_m;
     start[1] += sign * params_.search.probe_m * direction.y_m;
-    ScoredPoint top = PoseSearch::climb(ground, scan_.points, start, kProbe_steps, outcome.evaluations);
-    if (!clearly_apart(top.point, outcome.best.point)) {
-      continue;
-    }
-    if (top.score > outcome.best.score) {
-      std::swap(top, outcome.best);
-    }
-    if (!outcome.second || top.score > outcome.second->score) {
-      outcome.second = top;
-    }
+    outcome.peaks.offer(PoseSearch::climb(ground, scan_.points, start, kProbe_steps, outcome.evaluations));
   }
 }
 
+// Neighbouring points err together, so a scan tells fewer facts than it has points.
+void NdtMatcher::weigh(const Peaks& peaks, MatchResult& result) const {
+  const double facts = scan_.points.size() / kPoints_per_fact;
+  double sum = 0.0;
+  for (const ScoredPoint& peak : peaks.all()) {
+    MatchPeak& out = result.peaks[static_cast<std::size_t>(result.peak_count++)];
+    out = {to_pose(peak.point), peak.score, std::exp(facts * (peak.score - peaks.best().score))};
+    sum += out.weight;
+  }
+  for (MatchPeak& peak : result.peaks) {
+    peak.weight /= sum;
+  }
+  result.peaks[0].reference_T_scan = result.reference_T_scan;
+}
+
 void NdtMatcher::climb(const MatchReference& reference, const SearchOutcome& outcome, MatchResult& result) const {
-  const Refined top = refine(reference.exact_ndt(), returns_, to_pose(outcome.best.point), params_.refine_steps);
+  const Refined top =
+      refine(reference.exact_ndt(), returns_, to_pose(outcome.peaks.best().point), params_.refine_steps);
   result.reference_T_scan = top.reference_T_scan;
   result.evaluations += top.evaluations;
   result.fitness = top.derivatives.score / returns_.size();

@@ -9,6 +9,18 @@ namespace {
 constexpr double kApart_m = 0.4;
 constexpr double kApart_rad = 0.2;
 constexpr SearchPoint kSimplexSize{0.05, 0.05, 0.02};
+constexpr int kOther_peaks = 2;  // sought besides the best one and that of the expected pose
+
+// Of Cauchy's law cut to +-half, whose tails reach all of the box: half of the offsets are within a deviation.
+double cauchy_offset(double fraction, double sd, double half) {
+  return sd * std::tan((2.0 * fraction - 1.0) * std::atan(half / sd));
+}
+
+SearchPoint expected_at(const MotionPrior& prior, const SearchBox& box, const SearchPoint& fractions) {
+  return {box.centre[0] + cauchy_offset(fractions[0], prior.sd_m, box.half_size[0]),
+          box.centre[1] + cauchy_offset(fractions[1], prior.sd_m, box.half_size[1]),
+          box.centre[2] + cauchy_offset(fractions[2], prior.sd_rad, box.half_size[2])};
+}
 
 }  // namespace
 
@@ -16,8 +28,31 @@ bool clearly_apart(const SearchPoint& a, const SearchPoint& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1]) > kApart_m || std::abs(wrap_angle(a[2] - b[2])) > kApart_rad;
 }
 
+bool Peaks::is_apart(const SearchPoint& pose) const {
+  return std::all_of(peaks_.begin(), peaks_.begin() + static_cast<std::ptrdiff_t>(size_),
+                     [&](const ScoredPoint& peak) { return clearly_apart(peak.point, pose); });
+}
+
+void Peaks::offer(const ScoredPoint& pose) {
+  std::size_t place = size_ < kMost ? size_ : kMost - 1;
+  for (std::size_t i = 0; i < size_; ++i) {
+    if (!clearly_apart(peaks_[i].point, pose.point)) {
+      place = i;
+      break;
+    }
+  }
+  if (place < size_ && peaks_[place].score >= pose.score) {
+    return;
+  }
+  peaks_[place] = pose;
+  size_ = std::max(size_, place + 1);
+  for (; place > 0 && peaks_[place].score > peaks_[place - 1].score; --place) {
+    std::swap(peaks_[place], peaks_[place - 1]);
+  }
+}
+
 double MotionPrior::penalty(const SearchPoint& pose) const {
-  if (sd_m <= 0.0 || sd_rad <= 0.0) {
+  if (!is_known()) {
     return 0.0;
   }
   const double x = (pose[0] - reference_T_scan.x_m) / sd_m;
@@ -63,8 +98,13 @@ void PoseSearch::start(const Objective& objective, const SearchGround& ground, c
   evolution_.offer(centre, objective(centre));
   for (int i = 1; i < params_.start_points; ++i) {
     const SearchPoint fractions = halton(i);
-    SearchPoint pose = box.at(fractions);
-    pose[2] = centre[2] + angles_.offset_rad(fractions[2]);
+    const double expected = params_.expected_share * i;
+    const bool is_as_expected =
+        ground.prior.is_known() && std::floor(expected + params_.expected_share) > std::floor(expected);
+    SearchPoint pose = is_as_expected ? expected_at(ground.prior, box, fractions) : box.at(fractions);
+    if (!is_as_expected) {
+      pose[2] = centre[2] + angles_.offset_rad(fractions[2]);
+    }
     box.reflect(pose);
     evolution_.offer(pose, objective(pose));
   }
@@ -89,18 +129,19 @@ void PoseSearch::cross_over_to(const Objective& fine, Rng& rng) {
   evolution_.find_best();
 }
 
-std::optional<ScoredPoint> PoseSearch::second_peak(const Objective& fine, const ScoredPoint& best) {
-  const DeMember* other = nullptr;
-  for (const DeMember& member : evolution_.population()) {
-    if ((other == nullptr || member.score > other->score) && clearly_apart(member.point, best.point)) {
-      other = &member;
+void PoseSearch::add_other_peaks(const Objective& fine, Peaks& peaks) {
+  for (int other = 0; other < kOther_peaks; ++other) {
+    const DeMember* start = nullptr;
+    for (const DeMember& member : evolution_.population()) {
+      if ((start == nullptr || member.score > start->score) && peaks.is_apart(member.point)) {
+        start = &member;
+      }
     }
+    if (start == nullptr) {
+      return;
+    }
+    peaks.offer(nelder_mead({start->point, start->score}, kSimplexSize, params_.simplex_steps / 2, fine));
   }
-  if (other == nullptr) {
-    return std::nullopt;
-  }
-  const ScoredPoint top = nelder_mead({other->point, other->score}, kSimplexSize, params_.simplex_steps / 2, fine);
-  return clearly_apart(top.point, best.point) ? std::optional(top) : std::nullopt;
 }
 
 SearchOutcome PoseSearch::run(const SearchGround& ground, const SearchedScan& scan, const Deadline& deadline,
@@ -123,17 +164,11 @@ SearchOutcome PoseSearch::run(const SearchGround& ground, const SearchedScan& sc
   if (outcome.stop == StopReason::kBudget) {
     outcome.stop = evolution_.evolve(fine, params_.fine_evaluations, deadline, rng);
   }
-  outcome.best =
-      nelder_mead({evolution_.best().point, evolution_.best().score}, kSimplexSize, params_.simplex_steps, fine);
+  const DeMember& best = evolution_.best();
+  outcome.peaks.offer(nelder_mead({best.point, best.score}, kSimplexSize, params_.simplex_steps, fine));
   const SearchPoint centre = to_search_point(ground.prior.reference_T_scan);
-  const ScoredPoint near = nelder_mead({centre, fine(centre)}, kSimplexSize, params_.simplex_steps, fine);
-  if (near.score > outcome.best.score) {
-    outcome.best = near;
-  }
-  outcome.second = second_peak(fine, outcome.best);
-  if (outcome.second && outcome.second->score > outcome.best.score) {
-    std::swap(*outcome.second, outcome.best);
-  }
+  outcome.peaks.offer(nelder_mead({centre, fine(centre)}, kSimplexSize, params_.simplex_steps, fine));
+  add_other_peaks(fine, outcome.peaks);
   return outcome;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
-#include <optional>
+#include <array>
+#include <cstddef>
+#include <span>
 
 #include "core/base/deadline.hpp"
 #include "core/base/rng.hpp"
@@ -23,6 +25,7 @@ struct MotionPrior {
   double sd_rad = 0.0;
   double weight = 0.0;
 
+  [[nodiscard]] bool is_known() const { return sd_m > 0.0 && sd_rad > 0.0; }
   [[nodiscard]] double penalty(const SearchPoint& pose) const;
 };
 
@@ -41,16 +44,38 @@ struct SearchedScan {
   OrientationHistogram orientations;
 };
 
+/// Whether two poses are different answers rather than one answer and its noise.
+[[nodiscard]] bool clearly_apart(const SearchPoint& a, const SearchPoint& b);
+
+/// The best few answers, each clearly apart from the others, best first.
+class Peaks {
+ public:
+  static constexpr std::size_t kMost = 4;
+
+  /// Takes a pose in place of one that is the same but worse, while there is room, or in place of the worst.
+  void offer(const ScoredPoint& pose);
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// At least one was offered.
+  [[nodiscard]] const ScoredPoint& best() const { return peaks_[0]; }
+  [[nodiscard]] std::span<const ScoredPoint> all() const { return {peaks_.data(), size_}; }
+  /// Whether a pose is another answer than any of these.
+  [[nodiscard]] bool is_apart(const SearchPoint& pose) const;
+
+ private:
+  std::array<ScoredPoint, kMost> peaks_{};
+  std::size_t size_ = 0;
+};
+
 /// What a search found.
 struct SearchOutcome {
-  ScoredPoint best;                   ///< pose in the reference's frame, mean score per point
-  std::optional<ScoredPoint> second;  ///< another peak, clearly apart
+  Peaks peaks;  ///< poses in the reference's frame, mean score per point; always the climb from the expected pose
   int evaluations = 0;
   StopReason stop = StopReason::kBudget;
 };
 
-/// Global search for the pose of a scan in a box around a guess: even starts with angles that the orientation
-/// histograms propose, Differential Evolution on a blurred raster, then on the fine one, then a simplex.
+/// Global search for the pose of a scan in a box around a guess: half of the starts as expected, with tails that reach
+/// all of the box, half spread evenly with angles that the orientation histograms propose; Differential Evolution on a
+/// blurred raster, then on the fine one, then a simplex on each peak.
 ///
 /// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; evaluations bounded by
 /// `SearchParams`; at a deadline the best so far.
@@ -72,15 +97,12 @@ class PoseSearch {
   struct Objective;
   void start(const Objective& objective, const SearchGround& ground, const SearchedScan& scan);
   void cross_over_to(const Objective& fine, Rng& rng);
-  [[nodiscard]] std::optional<ScoredPoint> second_peak(const Objective& fine, const ScoredPoint& best);
+  void add_other_peaks(const Objective& fine, Peaks& peaks);
 
   SearchParams params_;
   PointSet subset_;
   AngleProposal angles_;
   DifferentialEvolution evolution_;
 };
-
-/// Whether two poses are different answers rather than one answer and its noise.
-[[nodiscard]] bool clearly_apart(const SearchPoint& a, const SearchPoint& b);
 
 }  // namespace odoless

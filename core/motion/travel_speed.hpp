@@ -1,10 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 
-#include "core/motion/motion_increment.hpp"
+#include "core/motion/motion.hpp"
 
 namespace odoless {
 
@@ -14,21 +14,20 @@ namespace odoless {
 /// Thread: owned by one thread. Real time: no allocation.
 class TravelSpeed {
  public:
-  /// lambda = |dt * V|: the travel that the speed before `increment` promises for its time, in metres; 0 before the
+  /// lambda = |dt * V|: the travel that the speed before `motion` promises for its time, in metres; 0 before the
   /// first displacement.
-  [[nodiscard]] double lambda_m(const MotionIncrement& increment) const {
+  [[nodiscard]] double lambda_m(const Motion& motion) const {
     const double known_s = last_[0].time_s + last_[1].time_s;
     const double speed_mps = known_s > 0.0 ? (last_[0].travel_m + last_[1].travel_m) / known_s : 0.0;
-    return speed_mps * duration_s(increment);
+    return speed_mps * duration_s(motion);
   }
 
-  /// Takes an increment into the memory. One whose stamps do not advance tells no speed and is left out.
-  void add(const MotionIncrement& increment) {
-    const double time_s = duration_s(increment);
+  /// Takes a motion into the memory. One that took no time tells no speed and is left out.
+  void add(const Motion& motion) {
+    const double time_s = duration_s(motion);
     if (time_s > 0.0) {
-      const Pose2& motion = increment.previous_T_current;
       last_[0] = last_[1];
-      last_[1] = {std::hypot(motion.x_m, motion.y_m), time_s};
+      last_[1] = {std::hypot(motion.previous_T_current.x_m, motion.previous_T_current.y_m), time_s};
     }
   }
 
@@ -40,10 +39,7 @@ class TravelSpeed {
     double time_s = 0.0;
   };
 
-  static double duration_s(const MotionIncrement& increment) {
-    const std::int64_t duration_ns = increment.to_stamp_ns - increment.from_stamp_ns;
-    return duration_ns > 0 ? static_cast<double>(duration_ns) * 1e-9 : 0.0;
-  }
+  static double duration_s(const Motion& motion) { return std::max(0.0, motion.duration_s()); }
 
   std::array<Displacement, 2> last_{};
 };

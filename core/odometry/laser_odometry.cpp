@@ -5,176 +5,228 @@
 #include <cmath>
 
 #include "core/base/scan_span.hpp"
+#include "core/geometry/pose2_covariance.hpp"
+#include "core/odometry/step_probability.hpp"
 
 namespace odoless {
 namespace {
 
 constexpr double kMatch_sd_m = 0.01;  // what no covariance of a match may undercut: cells, thinning, distortion
 constexpr double kMatch_sd_rad = 0.003;
-constexpr double kHole_s = 1.0;  // between two scans: who sees little again after it may have gone there by itself
+constexpr double kHole_s = 1.0;       // between two scans: who sees little again after it may have gone there by itself
+constexpr double kCredible = 0.9;     // a step that is less probable breaks the local map, and tells no speed
+constexpr double kWeight_min = 0.05;  // of another answer that particles shall try
+constexpr double kSlack_m = 0.1;      // of a step beyond the robot's limits: what the match may be off by
+constexpr double kSlack_rad = 0.05;
+constexpr double kReach_deviations = 3.0;
+constexpr double kWide_m = 3.0;  // where the motion may lead farther, a search near the expected pose is not enough
 constexpr double kSpeed_kept_unmatched = 0.5;
 
-// The covariance in axes that the old ones are turned against by yaw_rad.
-Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double yaw_rad) {
-  const double c = std::cos(yaw_rad);
-  const double s = std::sin(yaw_rad);
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() << c, -s, s, c;
-  return turn * covariance * turn.transpose();
+void copy_figures(const MatchResult& match, Motion& motion) {
+  motion.fitness = match.fitness;
+  motion.score = match.score;
+  motion.second_peak_ratio = match.second_peak_ratio();
+  motion.strong_information_1_m2 = match.strong_information_1_m2;
+  motion.weak_information_1_m2 = match.weak_information_1_m2;
+  motion.evaluations = match.evaluations;
+  motion.set(kConverged, match.converged);
+  motion.set(kEscalated, match.escalated);
+  motion.set(kRejected, match.escalated && !match.converged);
+  motion.set(kDeadlineHit, match.stop == StopReason::kDeadline);
 }
 
 }  // namespace
 
-LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const MatcherParams& matcher, const ScanParams& scan)
+LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const RobotLimits& limits, const MatcherParams& matcher,
+                             const ScanParams& scan)
     : params_(params),
+      limits_(limits),
       matcher_(matcher),
       reference_(params.local_map, matcher.points_max * params.key_scans),
       keys_(static_cast<std::size_t>(params.key_scans), KeyScan{ScanFrame(scan), {}}),
       placed_(static_cast<std::size_t>(params.key_scans)) {
-  ODOLESS_CHECK(parameters_in_range(params));
-  covariance_.bottomRightCorner<2, 2>().diagonal().setConstant(0.5 * params.speed_error_max_mps *
-                                                               params.speed_error_max_mps);
+  ODOLESS_CHECK(parameters_in_range(params) && parameters_in_range(limits));
+  forget_speed();
 }
 
-OdometryStep LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, Rng& rng) {
+Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, Rng& rng) {
   if (rebuild_is_due_) {
     rebuild_reference();
   }
-  OdometryStep step;
-  step.to_stamp_ns = scan.stamp_ns();
-  step.from_stamp_ns = started_ ? stamp_ns_ : step.to_stamp_ns;
-  const double period_s = steady_period_s(
-      std::max(params_.period_min_s, static_cast<double>(step.to_stamp_ns - step.from_stamp_ns) * 1e-9));
-  const Prediction prediction = predict(period_s);
+  const std::int64_t from_stamp_ns = started_ ? stamp_ns_ : scan.stamp_ns();
+  Motion motion = Motion::between(from_stamp_ns, scan.stamp_ns(), {});
+  motion.duration_ns = started_ ? scan.time_ns() - time_ns_ : 0;
+  motion.duration_sd_s = started_ ? std::hypot(scan.time_sd_s(), time_sd_s_) : 0.0;
+  const double period_s = std::max(params_.period_min_s, motion.duration_s());
+  const Estimate prediction = predict(period_s);
   const Pose2 odom_T_key = reference_.empty() ? odom_T_scan_ : odom_T_key_;
   const Pose2 key_T_scan = odom_T_key.inverse() * prediction.odom_T_scan;
-  const Deviations expected = deviations(period_s);
-  const double widening = params_.expectation_widening;
-  const Result<MatchResult> match = matcher_.match(
-      reference_, scan, {key_T_scan, widening * expected.sd_m, widening * expected.sd_rad}, deadline, rng);
-  step.matched = match.ok();
-  step.match = match.ok() ? match.value() : MatchResult{};
-  const bool is_hole = period_s > kHole_s;
-  step.jolted = step.matched && !is_hole && step.match.score < params_.jolt_share * usual_score_.value();
-  step.odom_T_scan = prediction.odom_T_scan;
-  step.error = started_ ? prediction.error : MotionError{};  // the first scan is where the run begins
-  if (step.matched) {
-    correct(prediction, odom_T_key, step);
+  const double unobserved_s = unobserved_period_s(scan, period_s);
+  MotionReach reach = expected_reach(unobserved_s);
+  reach.distance_m += std::hypot(speed_x_mps_, speed_y_mps_) * motion.duration_sd_s;  // driven so much longer, or less
+  reach.rotation_rad += std::abs(speed_yaw_radps_) * motion.duration_sd_s;
+  const Expectation expected{key_T_scan, reach.distance_m, reach.rotation_rad, reach.distance_m > kWide_m,
+                             odom_T_key.inverse() * odom_T_scan_};
+  const Result<MatchResult> match = matcher_.match(reference_, scan, expected, deadline, rng);
+  copy_figures(match.ok() ? match.value() : MatchResult{}, motion);
+  motion.set(kMatched, match.ok());
+  motion.set(kJolted, match.ok() && unobserved_s < kHole_s && motion.score < params_.poor_share * usual_score_.value());
+  // The first scan is where the run begins; and what matches poorly tells nothing of the motion.
+  Estimate estimate{prediction.odom_T_scan, started_ ? prediction.error : ErrorProcess{}};
+  if (match.ok() && !motion.has(kJolted)) {
+    estimate = corrected(prediction, odom_T_key, match.value());
   }
-  step.previous_T_current = odom_T_scan_.inverse() * step.odom_T_scan;
-  step.covariance = increment_covariance(prediction, step);
-  remember(step, period_s);
-  if (is_over_a_jolt(step, period_s)) {
+  estimate.error.initial = covariance_;
+  motion.odom_T_current = estimate.odom_T_scan;
+  motion.previous_T_current = odom_T_scan_.inverse() * estimate.odom_T_scan;
+  motion.set_error(estimate.error);
+  judge(match, odom_T_key, unobserved_s, motion);
+  remember(scan, motion, period_s);
+  const Pose2 key_T_now = odom_T_key.inverse() * odom_T_scan_;
+  if (begins_anew(motion)) {
     key_count_ = 0;
     add_key(scan, odom_T_scan_);
-  } else if (reference_.empty() || (odom_T_key.inverse() * odom_T_scan_).distance_m({}) > params_.key_distance_m ||
-             std::abs(wrap_angle(odom_T_scan_.yaw_rad - odom_T_key.yaw_rad)) > params_.key_rotation_rad) {
+  } else if (reference_.empty() || key_T_now.distance_m({}) > params_.key_distance_m ||
+             std::abs(wrap_angle(key_T_now.yaw_rad)) > params_.key_rotation_rad) {
     add_key(scan, odom_T_scan_);
   }
-  return step;
+  return motion;
 }
 
-bool LaserOdometry::is_over_a_jolt(const OdometryStep& step, double period_s) {
-  if (step.matched) {
-    usual_score_.add(step.match.score, std::min(period_s, ScanSpan::kMax_s));
+// A laser that repeats a scan says nothing of the motion meanwhile.
+double LaserOdometry::unobserved_period_s(const ScanFrame& scan, double period_s) {
+  const double unobserved_s = stale_s_ + period_s;
+  stale_s_ = scan.is_stale() ? unobserved_s : 0.0;
+  return scan.is_stale() ? period_s : unobserved_s;
+}
+
+void LaserOdometry::judge(const Result<MatchResult>& match, const Pose2& odom_T_key, double period_s, Motion& motion) {
+  if (!started_) {
+    return;
   }
-  if (step.jolted) {
-    jolt_scans_left_ = params_.jolt_scans;
+  const double usual = usual_score_.value();
+  const double longest_s = period_s + motion.duration_sd_s;
+  const bool is_within_limits =
+      motion.previous_T_current.distance_m({}) <= limits_.speed_max_mps * longest_s + kSlack_m &&
+      std::abs(motion.previous_T_current.yaw_rad) <= limits_.turn_rate_max_radps * longest_s + kSlack_rad;
+  motion.probability =
+      step_probability(limits_, {.period_s = period_s,
+                                 .period_sd_s = motion.duration_sd_s,
+                                 .matched = match.ok(),
+                                 .is_within_limits = is_within_limits,
+                                 .score_share = usual > 0.0 ? std::max(1e-9, motion.score / usual) : 0.0});
+  if (!match.ok()) {
+    return;
   }
-  return !step.jolted && jolt_scans_left_ > 0 && --jolt_scans_left_ == 0;
+  const std::span<const MatchPeak> peaks =
+      std::span(match.value().peaks).first(static_cast<std::size_t>(match.value().peak_count));
+  motion.log_weight = std::log(peaks[0].weight);
+  for (const MatchPeak& peak : peaks.subspan(1)) {
+    if (peak.weight >= kWeight_min) {
+      motion.alternatives[static_cast<std::size_t>(motion.alternative_count++)] = {
+          odom_T_scan_.inverse() * (odom_T_key * peak.reference_T_scan), std::log(peak.weight),
+          rows_of<3>(motion.covariance())};
+    }
+  }
+  usual_score_.add(motion.score, std::min(period_s, ScanSpan::kMax_s));
 }
 
-// Of the motion alone, whatever the pose before was off by: what the error gained or lost.
-Eigen::Matrix3d LaserOdometry::increment_covariance(const Prediction& prediction, const OdometryStep& step) const {
-  Eigen::Matrix<double, 3, 5> gained = step.error.carried.topRows<3>();
-  gained.leftCols<3>() -= prediction.error.carried.topLeftCorner<3, 3>();
-  const Eigen::Matrix3d covariance = gained * covariance_ * gained.transpose() + step.error.noise.topLeftCorner<3, 3>();
-  return turned(covariance, step.previous_T_current.yaw_rad);
+// What was mapped before may be elsewhere after an incredible step, or when several scans have matched it poorly.
+bool LaserOdometry::begins_anew(const Motion& motion) {
+  poor_in_a_row_ = motion.has(kJolted) ? poor_in_a_row_ + 1 : 0;
+  const bool anew = motion.probability < kCredible || poor_in_a_row_ >= params_.poor_scans;
+  if (anew) {
+    poor_in_a_row_ = 0;
+    usual_score_ = UsualLevel{kScore_memory_s};  // of another scene
+  }
+  return anew;
 }
 
-// Devices scan steadily; stamps that waver about the usual period say more of the computer than of the laser.
-double LaserOdometry::steady_period_s(double period_s) {
-  constexpr double kWaver_min = 0.4;
-  constexpr double kWaver_max = 1.7;  // less than 2: a scan that is missing is no wavering
-  constexpr double kGain = 0.1;
-  const bool wavers = period_s > kWaver_min * usual_period_s_ && period_s < kWaver_max * usual_period_s_;
-  usual_period_s_ = wavers ? usual_period_s_ + kGain * (period_s - usual_period_s_) : period_s;
-  return wavers ? usual_period_s_ : period_s;
-}
-
-void LaserOdometry::remember(const OdometryStep& step, double period_s) {
+void LaserOdometry::remember(const ScanFrame& scan, const Motion& motion, double period_s) {
   // A blind robot is not taken to drive on for ever, and one that was carried away not to go on like that.
-  const bool is_fast = step.previous_T_current.distance_m({}) > params_.leap_mps * period_s ||
-                       std::abs(step.previous_T_current.yaw_rad) > params_.leap_radps * period_s;
-  const bool leapt = step.matched && (step.jolted || (step.match.escalated && is_fast));
-  const double kept = leapt ? 0.0 : step.matched ? 1.0 : kSpeed_kept_unmatched;
+  const bool leapt = motion.matched() && motion.probability < kCredible;
+  const double kept = leapt ? 0.0 : motion.matched() ? 1.0 : kSpeed_kept_unmatched;
   speed_x_mps_ *= kept;
   speed_y_mps_ *= kept;
-  speed_yaw_radps_ = kept * step.previous_T_current.yaw_rad / period_s;
+  speed_yaw_radps_ = kept * motion.previous_T_current.yaw_rad / (period_s + motion.duration_sd_s);
   if (started_) {
-    covariance_ = step.error.carried * covariance_ * step.error.carried.transpose() + step.error.noise;
+    covariance_ = motion.error().after(covariance_);
   }
-  odom_T_scan_ = step.odom_T_scan;
-  stamp_ns_ = step.to_stamp_ns;
+  if (leapt) {
+    forget_speed();
+  }
+  odom_T_scan_ = motion.odom_T_current;
+  stamp_ns_ = scan.stamp_ns();
+  time_ns_ = scan.time_ns();
+  time_sd_s_ = scan.time_sd_s();
   started_ = true;
 }
 
-LaserOdometry::Prediction LaserOdometry::predict(double period_s) const {
+void LaserOdometry::forget_speed() {
+  covariance_.rightCols<2>().setZero();
+  covariance_.bottomRows<2>().setZero();
+  covariance_.bottomRightCorner<2, 2>().diagonal().setConstant(0.5 * params_.speed_error_max_mps *
+                                                               params_.speed_error_max_mps);
+}
+
+LaserOdometry::Estimate LaserOdometry::predict(double period_s) const {
   const double driven_s = std::min(period_s, params_.prediction_max_s);
   const Pose2 motion{speed_x_mps_ * driven_s, speed_y_mps_ * driven_s, speed_yaw_radps_ * driven_s};
   const double c = std::cos(motion.yaw_rad);
   const double s = std::sin(motion.yaw_rad);
   Eigen::Matrix2d turn;  // into the new scan's axes
   turn << c, s, -s, c;
-  Prediction out;
+  Estimate out;
   out.odom_T_scan = odom_T_scan_ * motion;
-  MotionError::Matrix& carried = out.error.carried;
-  carried.topLeftCorner<2, 2>() = turn;
-  carried.block<2, 1>(0, 2) = turn * Eigen::Vector2d(-motion.y_m, motion.x_m);
-  carried.topRightCorner<2, 2>() = driven_s * turn;
+  ErrorProcess::Matrix& transition = out.error.transition;
+  transition.topLeftCorner<2, 2>() = turn;
+  transition.block<2, 1>(0, 2) = turn * Eigen::Vector2d(-motion.y_m, motion.x_m);
+  transition.topRightCorner<2, 2>() = driven_s * turn;
   const double walk = params_.speed_walk_sd_mps * params_.speed_walk_sd_mps;
-  MotionError::Matrix& noise = out.error.noise;
+  ErrorProcess::Matrix& noise = out.error.noise;
   noise.topLeftCorner<2, 2>().diagonal().setConstant(walk * period_s * period_s * period_s / 3.0);
   noise.topRightCorner<2, 2>() = 0.5 * walk * period_s * period_s * turn;
   noise.bottomLeftCorner<2, 2>() = noise.topRightCorner<2, 2>().transpose();
   noise.bottomRightCorner<2, 2>().diagonal().setConstant(walk * period_s);
-  const double sd_rad = deviations(period_s).sd_rad;
+  const double sd_rad = expected_reach(period_s).rotation_rad / kReach_deviations;
   noise(2, 2) = sd_rad * sd_rad;
-  const MotionError::Matrix ahead = carried * covariance_ * carried.transpose() + noise;
+  const ErrorProcess::Matrix ahead = out.error.after(covariance_);
   const double variance = ahead.bottomRightCorner<2, 2>().trace();
   const double kept = std::min(1.0, params_.speed_error_max_mps / std::sqrt(std::max(1e-12, variance)));
-  MotionError::Matrix bound = MotionError::Matrix::Identity();
+  ErrorProcess::Matrix bound = ErrorProcess::Matrix::Identity();
   bound.bottomRightCorner<2, 2>() *= kept;
-  return {out.odom_T_scan, {bound * carried, bound * noise * bound}};
+  return {out.odom_T_scan, {covariance_, bound * transition, bound * noise * bound}};
 }
 
-LaserOdometry::Deviations LaserOdometry::deviations(double period_s) const {
+MotionReach LaserOdometry::expected_reach(double period_s) const {
   // At a high rate the speed itself is uncertain: a match's error is divided by a short period. An expectation that
   // shrinks with the square of the period would then hold the estimate back where the robot starts or turns.
   // Stamps that are the same or run backwards say nothing of that.
-  const double span_s =
-      period_s > params_.period_min_s ? std::max(period_s, params_.expectation_period_min_s) : period_s;
-  return {params_.acceleration_sd_mps2 * span_s * span_s, params_.angular_acceleration_sd_radps2 * span_s * span_s};
+  return reach_of(limits_,
+                  period_s > params_.period_min_s ? std::max(period_s, params_.expectation_period_min_s) : period_s);
 }
 
-void LaserOdometry::correct(const Prediction& prediction, const Pose2& odom_T_key, OdometryStep& step) {
+LaserOdometry::Estimate LaserOdometry::corrected(const Estimate& prediction, const Pose2& odom_T_key,
+                                                 const MatchResult& match) {
   const Pose2 key_T_scan = odom_T_key.inverse() * prediction.odom_T_scan;
-  const Pose2 difference = key_T_scan.inverse() * step.match.reference_T_scan;
-  Eigen::Matrix3d match = turned(step.match.covariance, -key_T_scan.yaw_rad);
-  match.diagonal() +=
+  const Pose2 difference = key_T_scan.inverse() * match.reference_T_scan;
+  Eigen::Matrix3d covariance = turned(match.covariance, -key_T_scan.yaw_rad);
+  covariance.diagonal() +=
       Eigen::Vector3d(kMatch_sd_m * kMatch_sd_m, kMatch_sd_m * kMatch_sd_m, kMatch_sd_rad * kMatch_sd_rad);
-  const MotionError& ahead = prediction.error;
-  const MotionError::Matrix prior = ahead.carried * covariance_ * ahead.carried.transpose() + ahead.noise;
+  const ErrorProcess& ahead = prediction.error;
+  const ErrorProcess::Matrix prior = ahead.after(covariance_);
   const Eigen::Matrix<double, 5, 3> gain =
-      (prior.topLeftCorner<3, 3>() + match).ldlt().solve(prior.topRows<3>()).transpose();
-  MotionError::Matrix rest = MotionError::Matrix::Identity();
+      (prior.topLeftCorner<3, 3>() + covariance).ldlt().solve(prior.topRows<3>()).transpose();
+  ErrorProcess::Matrix rest = ErrorProcess::Matrix::Identity();
   rest.leftCols<3>() -= gain;
-  const MotionError::Vector moved = gain * Eigen::Vector3d(difference.x_m, difference.y_m, difference.yaw_rad);
-  step.odom_T_scan = prediction.odom_T_scan * Pose2{moved(0), moved(1), moved(2)};
+  const ErrorProcess::Vector moved = gain * Eigen::Vector3d(difference.x_m, difference.y_m, difference.yaw_rad);
   speed_x_mps_ += moved(3);
   speed_y_mps_ += moved(4);
-  step.error.carried = rest * ahead.carried;
-  step.error.noise = rest * ahead.noise * rest.transpose() + gain * match * gain.transpose();  // Joseph: never negative
+  Estimate out;
+  out.odom_T_scan = prediction.odom_T_scan * Pose2{moved(0), moved(1), moved(2)};
+  out.error.transition = rest * ahead.transition;
+  out.error.noise = rest * ahead.noise * rest.transpose() + gain * covariance * gain.transpose();  // Joseph: never < 0
+  return out;
 }
 
 void LaserOdometry::add_key(const ScanFrame& scan, const Pose2& odom_T_scan) {

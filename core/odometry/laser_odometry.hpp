@@ -10,7 +10,8 @@
 #include "core/base/usual_level.hpp"
 #include "core/match/match_reference.hpp"
 #include "core/match/ndt_matcher.hpp"
-#include "core/motion/motion_error.hpp"
+#include "core/motion/motion.hpp"
+#include "core/motion/robot_limits.hpp"
 #include "core/scan/scan_frame.hpp"
 
 namespace odoless {
@@ -29,18 +30,13 @@ struct LaserOdometryParams {
   int key_scans = 40;
   double key_distance_m = 0.3;
   double key_rotation_rad = 0.35;
-  double acceleration_sd_mps2 = 1.5;
-  double angular_acceleration_sd_radps2 = 8.0;
   double period_min_s = 0.02;
   double expectation_period_min_s = 0.1;
   double prediction_max_s = 0.5;
-  double expectation_widening = 3.0;
   double speed_walk_sd_mps = 0.5;
   double speed_error_max_mps = 0.4;
-  double leap_mps = 2.5;
-  double leap_radps = 4.0;
-  double jolt_share = 0.55;
-  int jolt_scans = 3;
+  double poor_share = 0.55;
+  int poor_scans = 3;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -50,15 +46,8 @@ struct LaserOdometryParams {
                 "Travel after which a scan becomes a key scan.");
     visit.value("key_rotation_rad", self.key_rotation_rad, Range{0.0, 3.1416},
                 "Rotation after which a scan becomes a key scan.");
-    visit.value(
-        "acceleration_sd_mps2", self.acceleration_sd_mps2, Range{0.0, 1000.0},
-        "Deviation of the acceleration that is expected of the robot; it holds the estimate where the scene does not.");
-    visit.value("angular_acceleration_sd_radps2", self.angular_acceleration_sd_radps2, Range{0.0, 10000.0},
-                "The same of its rotation.");
     visit.value("prediction_max_s", self.prediction_max_s, Range{0.0, 10.0},
                 "The robot is taken to keep its speed for so long where scans are missing.");
-    visit.value("expectation_widening", self.expectation_widening, Range{0.0, 100.0},
-                "The search expects the motion within so many of these deviations.");
     visit.value("expectation_period_min_s", self.expectation_period_min_s, Range{0.0, 10.0},
                 "The expected accelerations are taken to act for at least so long, however fast scans follow.");
     visit.value("speed_walk_sd_mps", self.speed_walk_sd_mps, Range{0.0, 100.0},
@@ -66,33 +55,14 @@ struct LaserOdometryParams {
     visit.value("speed_error_max_mps", self.speed_error_max_mps, Range{0.01, 100.0},
                 "Most that the speed is taken to be in doubt, however long nothing held it.");
     visit.value(
-        "leap_mps", self.leap_mps, Range{0.1, 100.0},
-        "A match that only the wide search finds leaves no speed if it is faster than this, and a jolt never does: the "
-        "robot was carried (recovery.tracking.leap_mps).");
-    visit.value("leap_radps", self.leap_radps, Range{0.1, 100.0}, "The same of turning.");
-    visit.value(
-        "jolt_share", self.jolt_share, Range{0.0, 1.0},
-        "A match that scores less than this share of what is usual is a jolt: the robot may have been carried.");
-    visit.value(
-        "jolt_scans", self.jolt_scans, Range{1, 1000},
-        "After so many scans without another jolt the local map begins anew: what was before may be elsewhere.");
+        "poor_share", self.poor_share, Range{0.0, 1.0},
+        "A match that scores less than this share of the usual is poor: the robot may have been carried, and the local "
+        "map begins anew.");
+    visit.value("poor_scans", self.poor_scans, Range{1, 1000},
+                "After so many poor matches in a row the local map begins anew; until then the speed is kept.");
     visit.value("period_min_s", self.period_min_s, Range{0.001, 10.0},
                 "Stamps nearer than this are taken to be this far apart.");
   }
-};
-
-/// One step of laser odometry.
-struct OdometryStep {
-  std::int64_t from_stamp_ns = 0;
-  std::int64_t to_stamp_ns = 0;
-  Pose2 previous_T_current{};
-  Pose2 odom_T_scan{};
-  Eigen::Matrix3d covariance =
-      Eigen::Matrix3d::Zero();  ///< of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes
-  MotionError error{};          ///< the same in full: what becomes of the error before
-  MatchResult match;
-  bool jolted = false;   ///< the scan matches the ones before much worse than is usual
-  bool matched = false;  ///< false for the first scan, and where nothing could be matched: then the prediction stands
 };
 
 /// Tracks the laser by matching each scan to the local map of the last key scans. No prior but constant velocity.
@@ -101,43 +71,46 @@ struct OdometryStep {
 /// rebuild of the local map per key scan: before the next match, which has the less time for its search.
 class LaserOdometry {
  public:
-  LaserOdometry(const LaserOdometryParams& params, const MatcherParams& matcher, const ScanParams& scan);
+  LaserOdometry(const LaserOdometryParams& params, const RobotLimits& limits, const MatcherParams& matcher,
+                const ScanParams& scan);
 
   /// Of the last motion, in the scan's axes; zero before the second scan.
   [[nodiscard]] Velocity2 velocity() const { return {speed_x_mps_, speed_y_mps_, speed_yaw_radps_}; }
 
   /// `scan` has been made with room for no more beams than the constructor's `scan`.
-  [[nodiscard]] OdometryStep process(const ScanFrame& scan, const Deadline& deadline, Rng& rng);
+  [[nodiscard]] Motion process(const ScanFrame& scan, const Deadline& deadline, Rng& rng);
 
  private:
+  static constexpr double kScore_memory_s = 5.0;
+
   struct KeyScan {
     ScanFrame scan;
     Pose2 odom_T_scan;
   };
-  struct Deviations {
-    double sd_m;
-    double sd_rad;
-    [[nodiscard]] Eigen::Matrix3d covariance() const;
-  };
-  struct Prediction {
+  struct Estimate {
     Pose2 odom_T_scan;
-    MotionError error;
+    ErrorProcess error;
   };
   /// Constant velocity; what may be off of it.
-  [[nodiscard]] Prediction predict(double period_s) const;
-  [[nodiscard]] Deviations deviations(double period_s) const;
+  [[nodiscard]] Estimate predict(double period_s) const;
+  [[nodiscard]] MotionReach expected_reach(double period_s) const;
   /// Kalman's update of the prediction by a match. [kalman1960]
-  void correct(const Prediction& prediction, const Pose2& odom_T_key, OdometryStep& step);
-  [[nodiscard]] Eigen::Matrix3d increment_covariance(const Prediction& prediction, const OdometryStep& step) const;
-  [[nodiscard]] double steady_period_s(double period_s);
-  void remember(const OdometryStep& step, double period_s);
+  [[nodiscard]] Estimate corrected(const Estimate& prediction, const Pose2& odom_T_key, const MatchResult& match);
+  /// Since the last scan that was no repetition; of a repetition since the last scan.
+  [[nodiscard]] double unobserved_period_s(const ScanFrame& scan, double period_s);
+  void remember(const ScanFrame& scan, const Motion& motion, double period_s);
+  /// How credible the match is, its other answers, and what is usual.
+  void judge(const Result<MatchResult>& match, const Pose2& odom_T_key, double period_s, Motion& motion);
   /// Whether the local map shall begin anew with this scan.
-  [[nodiscard]] bool is_over_a_jolt(const OdometryStep& step, double period_s);
+  [[nodiscard]] bool begins_anew(const Motion& motion);
+  /// The speed may be any.
+  void forget_speed();
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
   /// Of the key scans, seen from the newest.
   void rebuild_reference();
 
   LaserOdometryParams params_;
+  RobotLimits limits_;
   NdtMatcher matcher_;
   MatchReference reference_;
   std::vector<KeyScan> keys_;
@@ -147,13 +120,15 @@ class LaserOdometry {
   bool rebuild_is_due_ = false;
   bool started_ = false;
   Pose2 odom_T_key_{};
-  std::int64_t stamp_ns_ = 0;
+  std::int64_t stamp_ns_ = 0;  ///< of the last scan, as told; its time as estimated
+  std::int64_t time_ns_ = 0;
+  double time_sd_s_ = 0.0;
   Pose2 odom_T_scan_{};
   double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;
-  double usual_period_s_ = 0.0;
-  UsualLevel usual_score_;
-  int jolt_scans_left_ = 0;
-  MotionError::Matrix covariance_ = MotionError::Matrix::Zero();  ///< of the error of odom_T_scan_ and the speed
+  int poor_in_a_row_ = 0;
+  double stale_s_ = 0.0;  ///< for which the laser has repeated a scan
+  UsualLevel usual_score_{kScore_memory_s};
+  ErrorProcess::Matrix covariance_ = ErrorProcess::Matrix::Zero();  ///< of the error of odom_T_scan_ and the speed
 };
 
 }  // namespace odoless

@@ -49,6 +49,8 @@ Errc ScanFrame::assign(const RawScan& raw) {
     return Errc::kBadGeometry;
   }
   stamp_ns_ = raw.stamp_ns;
+  time_ = ScanTime{.time_ns = raw.stamp_ns};
+  stale_ = false;
   beam_period_ns_ = raw.beam_period_ns;
   size_ = static_cast<int>(raw.ranges_m.size());
   set_geometry(raw);

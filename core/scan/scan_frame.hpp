@@ -9,6 +9,7 @@
 #include "core/base/result.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/geometry/velocity2.hpp"
+#include "core/scan/scan_time.hpp"
 
 namespace odoless {
 
@@ -61,7 +62,18 @@ class ScanFrame {
   /// beam period, or one that is too long to tell anything. Once per `assign`; linear in the beams, no allocation.
   void deskew(const Velocity2& velocity);
 
+  /// When the scan was taken, by a ScanClock; until it is told, that is the stamp.
+  void set_time(const ScanTime& time) { time_ = time; }
+
+  /// The scan's stamp as it was told: what it is known by.
   [[nodiscard]] std::int64_t stamp_ns() const { return stamp_ns_; }
+  /// When it was taken; of a stream of scans these grow.
+  [[nodiscard]] std::int64_t time_ns() const { return time_.time_ns; }
+  /// Standard deviation of `time_ns` against the scans about it (ScanTime).
+  [[nodiscard]] double time_sd_s() const { return time_.sd_s; }
+  /// Whether the laser repeats an older scan, which tells nothing of now; `assign` says that it does not.
+  [[nodiscard]] bool is_stale() const { return stale_; }
+  void set_stale(bool stale) { stale_ = stale; }
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] int returns() const { return returns_; }
   [[nodiscard]] double angle_rad(int beam) const { return start_angle_rad_ + beam * angle_step_rad_; }
@@ -89,6 +101,8 @@ class ScanFrame {
 
   ScanParams params_;
   std::int64_t stamp_ns_ = 0;
+  ScanTime time_{};
+  bool stale_ = false;
   double start_angle_rad_ = 0.0;
   double angle_step_rad_ = 0.0;
   std::int64_t beam_period_ns_ = 0;

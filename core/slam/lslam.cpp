@@ -49,12 +49,12 @@ void Lslam::set_pose(const Pose2& map_T_scan, const PoseSpread& spread) {
   speed_.reset();  // of the motion before: it promises nothing for the time in between
 }
 
-UpdateReport Lslam::update(const MotionIncrement& increment, const ScanFrame& scan, const Deadline& deadline) {
+UpdateReport Lslam::update(const Motion& motion, const ScanFrame& scan, const Deadline& deadline) {
   UpdateReport report;
   const AncestryGrid::Counters before = particles_.grid().counters();
   const std::int64_t thinned_before = particles_.paths().thinned();
   if (started_) {
-    move(increment, report);
+    move(motion, report);
     weigh(scan, deadline, report);
     report.resampled = select_survivors(report);
   } else {
@@ -81,18 +81,20 @@ std::size_t Lslam::memory_bytes() const {
          (errors_.capacity() + old_errors_.capacity()) * sizeof(DrawnError) + beams_.capacity() * sizeof(Beam);
 }
 
-void Lslam::move(const MotionIncrement& increment, UpdateReport& report) {
-  ODOLESS_CHECK(is_finite(increment.previous_T_current));
-  const MotionError::Matrix root = root_of(increment.error.noise);
-  report.lambda_m = speed_.lambda_m(increment);
+void Lslam::move(const Motion& motion, UpdateReport& report) {
+  ODOLESS_CHECK(is_finite(motion.previous_T_current));
+  const ErrorProcess process = motion.error();
+  const ErrorProcess::Matrix root = root_of(process.noise);
+  report.lambda_m = speed_.lambda_m(motion);
   for (int particle = 0; particle < particles(); ++particle) {
     Pose2& pose = particles_.pose(particle);
     DrawnError& error = errors_[static_cast<std::size_t>(particle)];
     const Pose2 map_T_tracked = pose * error.pose().inverse();
-    error.advance(increment.error, root, rng_);
-    pose = motion_.sample(map_T_tracked, increment.previous_T_current, report.lambda_m, rng_) * error.pose();
+    error.advance(process, root, rng_);
+    const Pose2& step = motion.alternative_count > 0 ? motion.at_share(rng_.uniform()) : motion.previous_T_current;
+    pose = motion_.sample(map_T_tracked, step, report.lambda_m, rng_) * error.pose();
   }
-  speed_.add(increment);
+  speed_.add(motion);
 }
 
 void Lslam::weigh(const ScanFrame& scan, const Deadline& deadline, UpdateReport& report) {

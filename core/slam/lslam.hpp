@@ -10,7 +10,7 @@
 #include "core/base/rng.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/grid/occupancy_map.hpp"
-#include "core/motion/motion_increment.hpp"
+#include "core/motion/motion.hpp"
 #include "core/motion/scan_matching_motion_model.hpp"
 #include "core/motion/travel_speed.hpp"
 #include "core/scan/scan_frame.hpp"
@@ -39,11 +39,13 @@ struct UpdateReport {
 struct PoseEstimate {
   Pose2 map_T_scan;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< over (x_m, y_m, yaw_rad), map axes
+  double agreement = 1.0;  ///< weight of the particles that are within 0.5 m and 5 deg of it
 };
 
 /// Low-level DP-SLAM: a particle filter over poses and maps [eliazar2003dpslam, eliazar2004dpslam2].
 ///
-/// An update (1) draws each particle's pose from the scan-matching motion model, (2) weighs it by the scan's likelihood
+/// An update (1) draws each particle's pose from the scan-matching motion model, about one of the motion's hypotheses,
+/// (2) weighs it by the scan's likelihood
 /// in its own map, (3) if too few particles matter, keeps those that a systematic resampling picks, (4) puts the scan
 /// into the survivors' maps and (5) lets them multiply. The first update since `reset` does (4) and (5) alone.
 ///
@@ -70,9 +72,8 @@ class Lslam {
   /// The last update was too long ago for the speed of then to promise any travel.
   void forget_speed() { speed_.reset(); }
 
-  /// @param increment  From the scan of the last update to this one; ignored in the first. Finite.
-  [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan,
-                                    const Deadline& deadline = {});
+  /// @param motion  From the scan of the last update to this one; ignored in the first. Finite.
+  [[nodiscard]] UpdateReport update(const Motion& motion, const ScanFrame& scan, const Deadline& deadline = {});
 
   /// How many particles there shall be, 1 to `params.particles`, which is what there is until somebody asks. Fewer come
   /// with the next update, which then resamples; more with the next resampling that the weights ask for. A replay that
@@ -113,7 +114,7 @@ class Lslam {
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  void move(const MotionIncrement& increment, UpdateReport& report);
+  void move(const Motion& motion, UpdateReport& report);
   void weigh(const ScanFrame& scan, const Deadline& deadline, UpdateReport& report);
   void weigh_until(const Deadline& deadline, UpdateReport& report);
   [[nodiscard]] ScoredPose refined(int particle, std::span<const Beam> beams);

@@ -4,10 +4,21 @@
 #include <optional>
 
 namespace odoless {
+namespace {
+
+constexpr double kSuspect = 0.05;  // probability of a jump from which on another place is looked for
+constexpr double kAmbiguous =
+    0.7;  // weight of a motion against its alternatives below which it is taken for one of them
+constexpr double kKnown_min = 0.2;  // share of beams below which a fit in what is known tells little
+
+/// Matched in the narrow search, or then in the wide one.
+bool is_accepted(const Motion& motion) { return motion.matched() && !motion.has(kRejected); }
+
+}  // namespace
 
 Recovery::Recovery(const RecoveryParams& params, const ScanParams& scan, const Slam& slam)
     : params_(params),
-      monitor_(params.tracking),
+      confidence_(params.confidence),
       usual_(params.tracking),
       fit_(slam.params().low.beam, params.tracking.fit_sigma_m, slam.low().geometry().resolution_m,
            slam.params().low.beams_used),
@@ -18,25 +29,27 @@ Recovery::Recovery(const RecoveryParams& params, const ScanParams& scan, const S
 void Recovery::reset() {
   updates_ = 0;
   usual_.reset();
-  usual_fit_ = UsualLevel{};
+  usual_fit_ = UsualLevel{kFit_memory_s};
   trust();
 }
 
 void Recovery::trust() {
-  monitor_.reset();
-  last_fit_ = 1.0;
-  depleted_ = settled_ = false;
+  confidence_.reset();
+  last_fit_ = Fit{};
+  lost_ = unconfirmed_ = suspected_ = settled_ = false;
 }
 
-void Recovery::note(const UpdateReport& report, int particles) {
-  ++updates_;
-  depleted_ = report.effective_particles < params_.tracking.depleted_share * particles;
+Tracking Recovery::state(double agreement) const {
+  if (lost_) {
+    return Tracking::kLost;
+  }
+  const bool is_sure =
+      !unconfirmed_ && !suspected_ && agreement * confidence_.right() >= params_.tracking.sure_probability;
+  return is_sure ? Tracking::kSure : Tracking::kDoubtful;
 }
-
-void Recovery::move(const Pose2& previous_T_current) { relocaliser_.move(previous_T_current); }
 
 Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
-  move(tracked.previous_T_current);
+  relocaliser_.move(tracked.motion.previous_T_current);
   if (!params_.enabled) {
     return Advice::kGoOn;
   }
@@ -44,56 +57,82 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
     return look_for_it(slam, tracked);
   }
   // Where scans are far apart nothing of this tells a robot that is lost from one that goes on.
-  const bool can_tell = updates_ >= params_.tracking.updates_min && usual_.is_dense();
-  const Advice advice = can_tell ? diagnose(slam, tracked) : Advice::kGoOn;
+  const Advice advice = usual_.is_dense() ? diagnose(slam, tracked) : Advice::kGoOn;
   if (state() == Tracking::kSure) {
-    usual_.add(tracked.previous_T_current);
+    usual_.add(tracked.motion.previous_T_current);
   }
   return advice;
 }
 
 Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   static_cast<void>(fit_.load(tracked.scan));
-  last_fit_ = fit_with(slam.low(), slam.low().best(), tracked.update_T_scan);
-  if (last_fit_ < params_.tracking.suspect_fit_min) {
-    last_fit_ = best_fit(slam.low(), tracked.update_T_scan);
-  }
-  monitor_.add(signs_of(tracked), tracked.scan.stamp_ns());
+  last_fit_ = fit_of(slam.low(), tracked.update_T_scan);
   const double span_s = span_.next_s(tracked.scan.stamp_ns());
-  if (state() == Tracking::kSure) {
-    usual_fit_.add(last_fit_, span_s);
+  if (!unconfirmed_) {
+    const Motion& motion = tracked.motion;
+    confidence_.move(motion.probability, motion.previous_T_current.distance_m({}), motion.duration_s());
+    const double usual = usual_fit_.value();
+    confidence_.observe(usual > 0.0 ? last_fit_.in_known / usual : 1.0, last_fit_.known_share, span_s);
   }
-  if (lost()) {
+  if (state() == Tracking::kSure && last_fit_.known_share > kKnown_min) {
+    usual_fit_.add(last_fit_.in_known, span_s);
+  }
+  if (is_suspect(tracked.motion) && !suspected_ && !unconfirmed_) {
+    suspected_ = true;
     relocaliser_.begin(slam.map_T_scan(), params_.tracking.usual_share * usual_fit_.value());
-    settled_ = false;
-    matched_s_ = 0.0;
   }
-  return monitor_.is_trusted() ? Advice::kGoOn : Advice::kHold;
+  if (suspected_) {
+    verify(slam, tracked);
+  }
+  const bool can_be_lost = updates_ >= params_.tracking.updates_min;
+  if (can_be_lost && confidence_.jumped() >= params_.tracking.lost_probability) {
+    lose();
+  }
+  return may_be_mapped() ? Advice::kGoOn : Advice::kHold;
 }
 
-double Recovery::fit_with(Lslam& low, int particle, const Pose2& update_T_scan) const {
-  return fit_.of(low.map(particle), low.geometry(), low.pose(particle) * update_T_scan);
+bool Recovery::is_suspect(const Motion& motion) const {
+  return motion.has(kJolted) || motion.weight() < kAmbiguous || confidence_.jumped() >= kSuspect;
+}
+
+void Recovery::verify(Slam& slam, const TrackedScan& tracked) {
+  const Pose2 believed_map_T_scan = slam.map_T_scan() * tracked.update_T_scan;
+  const std::optional<Pose2> map_T_scan = relocaliser_.process(slam, tracked.scan, believed_map_T_scan);
+  if (!map_T_scan) {
+    return;
+  }
+  if (clearly_apart(to_search_point(*map_T_scan), to_search_point(believed_map_T_scan))) {
+    confidence_.contradict();
+  } else {
+    suspected_ = false;
+    confidence_.reset();
+  }
+}
+
+void Recovery::lose() {
+  lost_ = true;
+  suspected_ = settled_ = false;
+  matched_s_ = 0.0;
+}
+
+bool Recovery::may_be_mapped() const {
+  const double wrong = suspected_ ? 1.0 - confidence_.right() : confidence_.jumped();
+  return !lost_ && last_fit_.mean >= params_.tracking.fit_min && 1.0 - wrong >= params_.tracking.map_probability;
 }
 
 // At a loop the best particle may be wrong and another right: that is for the filter to decide, which needs the scan.
-double Recovery::best_fit(Lslam& low, const Pose2& update_T_scan) const {
-  double best = 0.0;
-  for (int particle = 0; particle < low.particles(); ++particle) {
-    best = std::max(best, fit_with(low, particle, update_T_scan));
+Fit Recovery::fit_of(Lslam& low, const Pose2& update_T_scan) const {
+  const auto with = [&](int particle) {
+    return fit_.in_full(low.map(particle), low.geometry(), low.pose(particle) * update_T_scan);
+  };
+  Fit best = with(low.best());
+  if (best.mean < params_.tracking.fit_min) {
+    for (int particle = 0; particle < low.particles(); ++particle) {
+      const Fit fit = with(particle);
+      best = fit.mean > best.mean ? fit : best;
+    }
   }
   return best;
-}
-
-TrackingSigns Recovery::signs_of(const TrackedScan& tracked) const {
-  const TrackingParams& params = params_.tracking;
-  const bool is_open = tracked.weak_information_1_m2 < params.weak_information_1_m2;
-  const bool is_far = tracked.escalated || usual_.is_too_fast(tracked.previous_T_current, tracked.period_s);
-  const bool is_poor = last_fit_ < params.usual_share * usual_fit_.value();
-  return {.fit = last_fit_,
-          .suspect = depleted_ || is_open,
-          .carried = is_far && usual_.is_unusual(tracked.previous_T_current),
-          .torn = !tracked.matched || (tracked.jolted && is_poor),
-          .usual_fit = usual_fit_.value()};
 }
 
 Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
@@ -101,23 +140,29 @@ Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
   if (!settled_) {
     return Advice::kHold;
   }
-  const std::optional<Pose2> map_T_scan = relocaliser_.process(slam, tracked.scan);
+  const std::optional<Pose2> map_T_scan = relocaliser_.process(slam, tracked.scan, std::nullopt);
   if (!map_T_scan) {
     if (!has_waited_enough(tracked)) {
       return Advice::kHold;
     }
-    monitor_.resume();
+    confidence_.lose_track();
+    unconfirmed_ = true;
+    lost_ = false;
     slam.low().forget_speed();
     return Advice::kGoOn;
   }
-  slam.set_pose(*map_T_scan, {params_.search.spread_m, params_.search.spread_rad});
-  trust();
-  monitor_.try_anew();
+  find_at(slam, *map_T_scan);
   return Advice::kFound;
 }
 
+void Recovery::find_at(Slam& slam, const Pose2& map_T_scan) {
+  slam.set_pose(map_T_scan, {params_.search.spread_m, params_.search.spread_rad});
+  trust();
+  confidence_.find();
+}
+
 bool Recovery::has_waited_enough(const TrackedScan& tracked) {
-  matched_s_ = tracked.matched ? matched_s_ + tracked.period_s : 0.0;
+  matched_s_ = is_accepted(tracked.motion) ? matched_s_ + tracked.motion.duration_s() : 0.0;
   return params_.search.resume_after_s > 0.0 && matched_s_ >= params_.search.resume_after_s;
 }
 

@@ -3,22 +3,24 @@
 #include <cstddef>
 
 #include "core/base/usual_level.hpp"
+#include "core/slam/pose_confidence.hpp"
 #include "core/slam/relocaliser.hpp"
-#include "core/slam/tracking_monitor.hpp"
 #include "core/slam/usual_motion.hpp"
 
 namespace odoless {
 
+/// What the filter takes its pose for.
+enum class Tracking : std::uint8_t {
+  kSure,      ///< right within 0.5 m and 5 deg, with the probability that the configuration asks for
+  kDoubtful,  ///< less probable than that
+  kLost       ///< tracking broke off: the pose in the map is not known
+};
+
 /// A scan as the tracking has it.
 struct TrackedScan {
   const ScanFrame& scan;
-  Pose2 update_T_scan;                 ///< from the filter's last update to the scan
-  Pose2 previous_T_current;            ///< from the last scan to this one
-  bool jolted = false;                 ///< it matches the ones before much worse than is usual
-  bool matched = true;                 ///< in the narrow search, or then in the wide one
-  double period_s = 0.0;               ///< from the last scan to this one
-  bool escalated = false;              ///< not in the narrow one
-  double weak_information_1_m2 = 0.0;  ///< MatchResult's
+  Pose2 update_T_scan;   ///< from the filter's last update to the scan
+  const Motion& motion;  ///< from the last scan that was processed to this one
 };
 
 /// What to do with a scan.
@@ -31,10 +33,10 @@ enum class Advice : std::uint8_t {
 /// The filter's self-diagnosis, and its way back when it is lost. While the robot is lost nothing may be mapped.
 ///
 /// It draws nothing and changes nothing of the filter unless the robot is lost: without that, results are those of a
-/// filter without it, bit for bit, but for scans that do not fit and are held.
+/// filter without it, bit for bit, but for scans that are held.
 ///
 /// Thread:    owned by the filter's thread.
-/// Real time: no allocation after construction; one scan's likelihood in the best map while the robot is not lost, in
+/// Real time: no allocation after construction; a scan's likelihood in the best map while the robot is not lost, in
 ///            every particle's if it does not fit that; else a slice of the Relocaliser's.
 class Recovery {
  public:
@@ -44,41 +46,51 @@ class Recovery {
   void reset();
   /// The pose is known: somebody said where the robot is.
   void trust();
-  /// What an update of the filter said.
-  void note(const UpdateReport& report, int particles);
-  /// A motion whose scan was lost.
-  void move(const Pose2& previous_T_current);
+  /// The filter was updated.
+  void note_update() { ++updates_; }
   /// Every scan after the first, before the filter takes it.
   [[nodiscard]] Advice process(Slam& slam, const TrackedScan& tracked);
 
-  [[nodiscard]] Tracking state() const { return monitor_.state(); }
-  [[nodiscard]] bool lost() const { return state() == Tracking::kLost; }
+  /// @param agreement  PoseEstimate's: less where the particles do not agree on one pose.
+  [[nodiscard]] Tracking state(double agreement = 1.0) const;
+  [[nodiscard]] bool lost() const { return lost_; }
+  /// That the pose is right within 0.5 m and 5 deg, as far as the scans tell.
+  [[nodiscard]] double probability() const { return lost_ ? 0.0 : confidence_.right(); }
   /// Of the last scan; 1 before the first.
-  [[nodiscard]] double fit() const { return last_fit_; }
+  [[nodiscard]] double fit() const { return last_fit_.mean; }
   [[nodiscard]] std::size_t memory_bytes() const {
     return sizeof(*this) + fit_.memory_bytes() + relocaliser_.memory_bytes();
   }
 
  private:
+  static constexpr double kFit_memory_s = 60.0;  ///< longer than a wrong pose may take to show
+
   [[nodiscard]] Advice diagnose(Slam& slam, const TrackedScan& tracked);
-  [[nodiscard]] double fit_with(Lslam& low, int particle, const Pose2& update_T_scan) const;
-  [[nodiscard]] double best_fit(Lslam& low, const Pose2& update_T_scan) const;
-  [[nodiscard]] TrackingSigns signs_of(const TrackedScan& tracked) const;
+  /// In the best particle's map; in that which it fits best where it does not fit.
+  [[nodiscard]] Fit fit_of(Lslam& low, const Pose2& update_T_scan) const;
+  [[nodiscard]] bool may_be_mapped() const;
+  void lose();
   [[nodiscard]] Advice look_for_it(Slam& slam, const TrackedScan& tracked);
+  [[nodiscard]] bool is_suspect(const Motion& motion) const;
+  /// A slice of the search for another place that fits better than where the robot is taken to be.
+  void verify(Slam& slam, const TrackedScan& tracked);
+  void find_at(Slam& slam, const Pose2& map_T_scan);
   [[nodiscard]] bool has_waited_enough(const TrackedScan& tracked);
 
   RecoveryParams params_;
-  TrackingMonitor monitor_;
+  PoseConfidence confidence_;
   UsualMotion usual_;
-  UsualLevel usual_fit_;
+  UsualLevel usual_fit_{kFit_memory_s};
   ScanSpan span_;
   ScanFit fit_;
   Relocaliser relocaliser_;
-  double last_fit_ = 1.0;
+  Fit last_fit_;
   double matched_s_ = 0.0;  ///< lost, and every scan has matched the ones before
   int updates_ = 0;
-  bool depleted_ = false;
-  bool settled_ = false;  ///< lost, and the filter's work is done: the map stays as it is
+  bool lost_ = false;
+  bool suspected_ = false;    ///< a step may have been wrong, and the map has not yet shown that no other place fits
+  bool unconfirmed_ = false;  ///< it was lost, and went on without being found
+  bool settled_ = false;      ///< lost, and the filter's work is done: the map stays as it is
 };
 
 }  // namespace odoless

@@ -2,26 +2,21 @@
 
 #include "core/base/parameters.hpp"
 #include "core/match/global_search.hpp"
+#include "core/slam/pose_confidence.hpp"
 
 namespace odoless {
 
-/// From when on the filter takes itself for lost. A scan's fit is the mean likelihood of its beams in the best
-/// particle's map, from where that particle would have it: 1 if the map explains all of it.
+/// How the filter judges its pose. A scan's fit is the mean likelihood of its beams in the best particle's map, from
+/// where that particle would have it: 1 if the map explains all of it.
 struct TrackingParams {
   double fit_sigma_m = 0.15;
-  double fit_min = 0.15;
-  double suspect_fit_min = 0.2;
-  double depleted_share = 0.02;
-  double weak_information_1_m2 = 15.0;
-  double torn_fit_min = 0.6;
-  double torn_for_s = 3.0;
+  double fit_min = 0.2;
   double usual_share = 0.75;
-  double lost_after_s = 0.7;
-  double contradicted_after_s = 10.0;
+  double sure_probability = 0.9;
+  double map_probability = 0.5;
+  double lost_probability = 0.8;
   double leap_m = 0.3;
   double leap_rad = 0.3;
-  double leap_mps = 2.5;
-  double leap_radps = 4.0;
   double leap_ratio = 2.0;
   int updates_min = 20;
 
@@ -29,35 +24,21 @@ struct TrackingParams {
   static void describe(Self& self, Visitor& visit) {
     visit.value("fit_sigma_m", self.fit_sigma_m, Range{0.01, 2.0},
                 "Deviation of a range from the map at which a beam still half fits.");
-    visit.value("fit_min", self.fit_min, Range{0.0, 1.0}, "A scan that fits the map less is not mapped.");
-    visit.value("suspect_fit_min", self.suspect_fit_min, Range{0.0, 1.0},
-                "The same while the scene leaves one direction open, or few particles matter.");
-    visit.value("depleted_share", self.depleted_share, Range{0.0, 1.0},
-                "With a smaller share of effective particles after an update few particles matter.");
-    visit.value("weak_information_1_m2", self.weak_information_1_m2, Range{0.0, 1e6},
-                "Curvature of the match's fitness along a direction below which the scene leaves it open.");
-    visit.value("torn_fit_min", self.torn_fit_min, Range{0.0, 1.0},
-                "The same after a scan that could not be matched at all: the robot may be anywhere.");
-    visit.value("torn_for_s", self.torn_for_s, Range{0.0, 60.0},
-                "Time for which scans must then fit so well, one after the other, before any is mapped again.");
+    visit.value("fit_min", self.fit_min, Range{0.0, 1.0},
+                "A scan that fits no particle's map better than this is not mapped.");
     visit.value("usual_share", self.usual_share, Range{0.0, 1.0},
-                "Nor less than this share of what scans usually fit; the same for a candidate that can be the robot.");
-    visit.value(
-        "lost_after_s", self.lost_after_s, Range{0.0, 60.0},
-        "Time of scans that do not fit, less that of scans that do, after which the robot is lost where a scan did "
-        "not match the ones before.");
-    visit.value(
-        "contradicted_after_s", self.contradicted_after_s, Range{0.0, 600.0},
-        "The same where all scans matched: the filter may have closed a loop wrongly, and may mend it by itself.");
+                "Share of the usual fit that a candidate must reach to be the robot's pose.");
+    visit.value("sure_probability", self.sure_probability, Range{0.5, 1.0},
+                "The state is OK where the pose is right with at least this probability.");
+    visit.value("map_probability", self.map_probability, Range{0.0, 1.0},
+                "Nothing is mapped where the probability that tracking went on is less.");
+    visit.value("lost_probability", self.lost_probability, Range{0.5, 1.0},
+                "Tracking is lost where it broke off with at least this probability.");
     visit.value("leap_m", self.leap_m, Range{0.0, 10.0},
-                "Step from scan to scan that is nothing special; where steps are larger, the scans are far apart.");
+                "Where steps from scan to scan are usually larger than this times leap_ratio, scans are too far apart "
+                "to tell a robot that is lost.");
     visit.value("leap_rad", self.leap_rad, Range{0.0, 3.2}, "The same of a turn.");
-    visit.value(
-        "leap_mps", self.leap_mps, Range{0.1, 100.0},
-        "Speed that the robot cannot have by itself: it was carried, if its last steps were much smaller, too.");
-    visit.value("leap_radps", self.leap_radps, Range{0.1, 100.0}, "The same of turning.");
-    visit.value("leap_ratio", self.leap_ratio, Range{1.0, 100.0},
-                "Times the largest step of late, and leap_m more, is much.");
+    visit.value("leap_ratio", self.leap_ratio, Range{1.0, 100.0}, "Factor of both.");
     visit.value("updates_min", self.updates_min, Range{1, 1'000'000},
                 "Updates of the filter before which its map is too small to be lost in.");
   }
@@ -98,12 +79,14 @@ struct RelocaliserParams {
 struct RecoveryParams {
   bool enabled = true;
   TrackingParams tracking;
+  ConfidenceParams confidence;
   RelocaliserParams search;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.flag("enabled", self.enabled, "Whether the filter may take itself for lost, and look for itself in the map.");
     visit.group("tracking", self.tracking, "From when on the robot is lost.");
+    visit.group("confidence", self.confidence, "How the probability that the pose is right goes and comes.");
     visit.group("search", self.search, "How it is sought in the map.");
   }
 };

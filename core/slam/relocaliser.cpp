@@ -29,7 +29,7 @@ Relocaliser::Relocaliser(const RelocaliserParams& params, double fit_sigma_m, co
       fit_(slam.params().low.beam, fit_sigma_m, slam.map_geometry().resolution_m, slam.params().low.beams_used),
       search_(params.global, slam.map_geometry(), scan.beams_max),
       points_(scan.beams_max),
-      trial_(static_cast<std::size_t>(params.global.candidates)) {
+      trial_(static_cast<std::size_t>(params.global.candidates) + 1) {
   ODOLESS_CHECK(parameters_in_range(params));
 }
 
@@ -46,7 +46,8 @@ void Relocaliser::move(const Pose2& previous_T_current) {
   }
 }
 
-std::optional<Pose2> Relocaliser::process(Slam& slam, const ScanFrame& scan) {
+std::optional<Pose2> Relocaliser::process(Slam& slam, const ScanFrame& scan,
+                                          const std::optional<Pose2>& believed_map_T_scan) {
   const double span_s = span_.next_s(scan.stamp_ns());
   if (scan.returns() < kReturns_min) {
     return std::nullopt;
@@ -63,7 +64,7 @@ std::optional<Pose2> Relocaliser::process(Slam& slam, const ScanFrame& scan) {
   SlamSquares map(slam);
   static_cast<void>(search_.work(map, static_cast<int>(params_.evaluations_per_s * span_s)));
   if (search_.is_done()) {
-    start_trial();
+    start_trial(believed_map_T_scan);
   }
   return std::nullopt;
 }
@@ -73,8 +74,11 @@ std::size_t Relocaliser::memory_bytes() const {
          2 * sizeof(float) * static_cast<std::size_t>(points_.capacity());
 }
 
-void Relocaliser::start_trial() {
+void Relocaliser::start_trial(const std::optional<Pose2>& believed_map_T_scan) {
   trial_count_ = 0;
+  if (believed_map_T_scan) {
+    trial_[trial_count_++] = {*believed_map_T_scan, 0.0};
+  }
   for (const ScoredPoint& found : search_.found()) {
     trial_[trial_count_++] = {to_pose(found.point) * searched_T_scan_, 0.0};
   }

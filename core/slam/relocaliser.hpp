@@ -23,13 +23,15 @@ class Relocaliser {
  public:
   Relocaliser(const RelocaliserParams& params, double fit_sigma_m, const ScanParams& scan, const Slam& slam);
 
-  /// From here on nothing is known but the map.
+  /// From here on nothing is known but the map, and perhaps where the robot is taken to be.
   /// @param fit_min  What a candidate must fit in it, if that is more than `found_fit`.
   void begin(const Pose2& last_map_T_scan, double fit_min);
   /// The robot's motion by the odometry, whether with a scan or not.
   void move(const Pose2& previous_T_current);
-  /// @return  map_T_scan once it is found.
-  [[nodiscard]] std::optional<Pose2> process(Slam& slam, const ScanFrame& scan);
+  /// @param believed_map_T_scan  Where tracking has the robot, if it has not lost it: one candidate more.
+  /// @return                     map_T_scan once it is found.
+  [[nodiscard]] std::optional<Pose2> process(Slam& slam, const ScanFrame& scan,
+                                             const std::optional<Pose2>& believed_map_T_scan);
 
   /// The candidates that are on trial.
   [[nodiscard]] int candidates() const { return static_cast<int>(trial_count_); }
@@ -41,7 +43,7 @@ class Relocaliser {
     double fit_sum = 0.0;
   };
 
-  void start_trial();
+  void start_trial(const std::optional<Pose2>& believed_map_T_scan);
   void try_scan(Slam& slam, const ScanFrame& scan);
   void drop_doubles();
   [[nodiscard]] std::optional<Pose2> verdict();

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/check.hpp"
+#include "core/geometry/pose2_covariance.hpp"
 
 namespace odoless {
 
@@ -19,27 +20,21 @@ void RunSegment::clear() {
   covariance_.setZero();
 }
 
-void RunSegment::add(const MotionIncrement& increment, const ScanFrame& scan) {
+void RunSegment::add(const Motion& motion, const ScanFrame& scan) {
   ODOLESS_CHECK(!full());
   scans_[static_cast<std::size_t>(size_++)] = scan;
-  const Pose2 start_T_next = start_T_last_ * increment.previous_T_current;
-  const Pose2& motion = increment.previous_T_current;
-  const double travel_m = std::hypot(motion.x_m, motion.y_m);
+  const Pose2& last_T_next = motion.previous_T_current;
+  const Pose2 start_T_next = start_T_last_ * last_T_next;
+  const double travel_m = std::hypot(last_T_next.x_m, last_T_next.y_m);
   const double variance_m2 = std::pow(drift_.sd_m_per_sqrt_m, 2) * travel_m;
   const double variance_rad2 = std::pow(drift_.sd_rad_per_sqrt_m, 2) * travel_m +
-                               std::pow(drift_.sd_rad_per_sqrt_rad, 2) * std::abs(motion.yaw_rad);
+                               std::pow(drift_.sd_rad_per_sqrt_rad, 2) * std::abs(last_T_next.yaw_rad);
   const double share = std::pow(drift_.match_ratio, 2);
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  const double c = std::cos(start_T_last_.yaw_rad);
-  const double s = std::sin(start_T_last_.yaw_rad);
-  turn.topLeftCorner<2, 2>() << c, -s, s, c;
-  const Eigen::Vector3d variances(share * increment.error.noise(0, 0) + variance_m2,
-                                  share * increment.error.noise(1, 1) + variance_m2,
-                                  share * increment.error.noise(2, 2) + variance_rad2);
-  // What the heading was off before turns this motion.
-  Eigen::Matrix3d lever = Eigen::Matrix3d::Identity();
-  lever(0, 2) = start_T_last_.y_m - start_T_next.y_m;
-  lever(1, 2) = start_T_next.x_m - start_T_last_.x_m;
+  const Eigen::Matrix3d turn = turn_matrix(start_T_last_.yaw_rad);
+  const ErrorProcess::Matrix noise = motion.error().noise;
+  const Eigen::Vector3d variances(share * noise(0, 0) + variance_m2, share * noise(1, 1) + variance_m2,
+                                  share * noise(2, 2) + variance_rad2);
+  const Eigen::Matrix3d lever = lever_matrix(start_T_last_, start_T_next);
   covariance_ = (lever * covariance_ * lever.transpose() + turn * variances.asDiagonal() * turn.transpose()).eval();
   start_T_last_ = start_T_next;
 }

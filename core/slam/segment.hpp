@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/motion/motion_increment.hpp"
+#include "core/motion/motion.hpp"
 #include "core/scan/scan_frame.hpp"
 #include "core/slam/hslam_params.hpp"
 #include "core/slam/lslam.hpp"
@@ -23,7 +23,8 @@ class RunSegment {
 
   void clear();
   /// Takes the scan of an update; not when full.
-  void add(const MotionIncrement& increment, const ScanFrame& scan);
+  /// @param motion  From the scan before.
+  void add(const Motion& motion, const ScanFrame& scan);
   /// Takes the paths, once all scans are there.
   void close(const Lslam& low);
 
@@ -50,7 +51,7 @@ class RunSegment {
   std::vector<StampedPose> last_;
   int size_ = 0;
   int paths_ = 0;
-  Pose2 start_T_last_;  ///< by the increments
+  Pose2 start_T_last_;  ///< by the motions
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
 };
 

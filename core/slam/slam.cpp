@@ -1,7 +1,8 @@
 #include "core/slam/slam.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "core/geometry/pose2_covariance.hpp"
 
 namespace odoless {
 namespace {
@@ -55,12 +56,12 @@ bool Slam::settle() {
   return high_->idle();
 }
 
-UpdateReport Slam::update(const MotionIncrement& increment, const ScanFrame& scan, const Deadline& deadline) {
-  const UpdateReport report = low_.update(increment, scan, deadline);
+UpdateReport Slam::update(const Motion& motion, const ScanFrame& scan, const Deadline& deadline) {
+  const UpdateReport report = low_.update(motion, scan, deadline);
   if (high_) {
     RunSegment& segment = segments_[static_cast<std::size_t>(filling_)];
     ++updates_unfinished_;
-    segment.add(updates_unfinished_ == 1 && high_->report().segments == 0 ? MotionIncrement{} : increment, scan);
+    segment.add(updates_unfinished_ == 1 && high_->report().segments == 0 ? Motion{} : motion, scan);
     if (segment.full()) {
       close_segment();
     }
@@ -89,12 +90,8 @@ Pose2 Slam::map_T_scan() const {
 PoseEstimate Slam::estimate() const {
   PoseEstimate estimate = low_.estimate();
   if (has_segments()) {
-    const Pose2 turn = map_T_low();
-    const double c = std::cos(turn.yaw_rad);
-    const double s = std::sin(turn.yaw_rad);
-    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-    axes.topLeftCorner<2, 2>() << c, -s, s, c;
-    estimate = {turn * estimate.map_T_scan, axes * estimate.covariance * axes.transpose()};
+    const Pose2 map_T_low = this->map_T_low();
+    estimate = {map_T_low * estimate.map_T_scan, turned(estimate.covariance, map_T_low.yaw_rad)};
   }
   return estimate;
 }

@@ -35,10 +35,9 @@ class Slam {
   /// A slice towards a filter with nothing left to do, so that `set_pose` is for real time: ends the segment that is
   /// being filled. @return  Whether it is there; the map then stays as it is until the next update.
   [[nodiscard]] bool settle();
-  /// @param increment  From the scan of the last update to this one; ignored in the first.
+  /// @param motion  From the scan of the last update to this one; ignored in the first.
   /// @param deadline   See Lslam.
-  [[nodiscard]] UpdateReport update(const MotionIncrement& increment, const ScanFrame& scan,
-                                    const Deadline& deadline = {});
+  [[nodiscard]] UpdateReport update(const Motion& motion, const ScanFrame& scan, const Deadline& deadline = {});
   /// One slice of HSLAM's work.
   void work();
   /// Ends the segment that is being filled, and finishes it: when a run is over. Not for real time.

@@ -60,6 +60,21 @@ std::string reasons_text(std::uint32_t reasons) {
   return text;
 }
 
+std::string times_text(const ScanTimeFindings& times) {
+  std::string text;
+  const auto add = [&](std::int64_t count, const std::string& what) {
+    text += count > 0 ? fmt::format("{}{}", text.empty() ? "" : ", ", what) : "";
+  };
+  add(times.out_of_order, fmt::format("{} stamps out of order", times.out_of_order));
+  add(times.bunched, fmt::format("{} bunched", times.bunched));
+  add(times.gaps, fmt::format("{} gaps of up to {:.1f} s", times.gaps, times.longest_gap_s));
+  add(times.clock_sets, fmt::format("clock set {} times", times.clock_sets));
+  add(times.doubtful, fmt::format("times of {} scans uncertain", times.doubtful));
+  const std::string period =
+      times.period_s > 0.0 ? fmt::format("scan period {:.3f} s estimated", times.period_s) : "scan period not known";
+  return text.empty() ? period : text + "; " + period;
+}
+
 std::string state_sentence(const HealthReport& report) {
   const std::string reasons = reasons_text(report.reasons);
   return reasons.empty() ? std::string(name_of(report.state)) : fmt::format("{}: {}", name_of(report.state), reasons);

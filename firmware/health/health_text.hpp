@@ -12,6 +12,10 @@ namespace odoless {
 /// The reasons, a few words each, joined by commas; empty if there is none.
 [[nodiscard]] std::string reasons_text(std::uint32_t reasons);
 
+/// What the stamps of the scans were like: "631 stamps out of order, 2 gaps of up to 3.0 s; scan period 0.197 s
+/// estimated".
+[[nodiscard]] std::string times_text(const ScanTimeFindings& times);
+
 /// One line for the log: the state and why.
 [[nodiscard]] std::string state_sentence(const HealthReport& report);
 

@@ -24,10 +24,10 @@ struct Channels {
   std::string gpio_raw_rx;      ///< bot_core.raw_t, what came over GPIO lines: a change each (GpioChange)
   std::string gpio_raw_tx;      ///< bot_core.raw_t, what the daemon set, likewise
   std::string tilt;             ///< bot_core.joint_state_t, joint "tilt"
-  std::string motion;           ///< odoless.pose_covariance_t, frame "odom"
+  std::string motion;           ///< odoless.motion_t
   std::string motion_again;     ///< the last motion once more
   std::string pose;             ///< bot_core.pose_t
-  std::string pose_covariance;  ///< odoless.pose_covariance_t, frame "map"
+  std::string pose_covariance;  ///< odoless.pose_estimate_t
   std::string map_to_odom;      ///< bot_core.rigid_transform_t
   std::string map_tile;         ///< odoless.map_tile_t
   std::string map;              ///< occ_map.pixel_map_t

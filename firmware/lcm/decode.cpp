@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <odoless/pose_covariance_t.hpp>
+#include <odoless/motion_t.hpp>
 
 #include "firmware/lcm/wire_reader.hpp"
 
@@ -14,6 +14,8 @@ namespace odoless {
 namespace {
 
 constexpr double kDistanceMaxM = 1e6;
+constexpr std::int64_t kDurationMaxNs = 1'000'000'000'000'000'000;  // 30 years
+constexpr double kLogWeightMax = 1e6;
 constexpr double kAngleMaxRad = 4.0 * std::numbers::pi;
 constexpr double kSweepMaxRad =
     2.0 * std::numbers::pi * 1.001;  // a full turn, and the rounding of a single-precision step
@@ -27,11 +29,13 @@ bool is_sane_angle(double value_rad) { return is_sane(value_rad) && std::abs(val
 bool is_sane_utime(std::int64_t utime) { return utime >= 0 && utime <= kUtimeMax; }
 bool is_sane_share(double value) { return is_sane(value) && value >= 0.0; }
 
+bool is_sane_log_weight(double value) { return is_sane(value) && std::abs(value) <= kLogWeightMax; }
+
 bool is_sane_pose(const Pose2& pose) {
   return is_sane_distance(pose.x_m) && is_sane_distance(pose.y_m) && is_sane_angle(pose.yaw_rad);
 }
 
-bool is_sane_covariance(const std::array<double, 9>& covariance) {
+bool is_sane_covariance(const MatrixRows<3>& covariance) {
   return std::all_of(covariance.begin(), covariance.end(), is_sane) && covariance[0] >= 0.0 && covariance[4] >= 0.0 &&
          covariance[8] >= 0.0;
 }
@@ -47,9 +51,24 @@ bool is_sane_geometry(float start_angle_rad, float angle_step_rad, std::int32_t 
 }
 
 // Products of small numbers may well be denormal here.
-bool is_sane_error(const std::array<double, 25>& matrix) {
+bool is_sane_matrix(const MatrixRows<5>& matrix, double max) {
+  return std::all_of(matrix.begin(), matrix.end(), [max](double value) { return std::abs(value) <= max; });
+}
+
+bool is_sane_error(const Motion& motion) {
   constexpr double kMax = 1e6;
-  return std::all_of(matrix.begin(), matrix.end(), [](double value) { return std::abs(value) <= kMax; });
+  constexpr double kInitialMax = 1e12;  // a laser that is blind for an hour may be anywhere
+  bool is_sane = is_sane_matrix(motion.error_initial, kInitialMax) && is_sane_matrix(motion.error_transition, kMax) &&
+                 is_sane_matrix(motion.error_noise, kMax);
+  for (std::size_t i = 0; i < motion.error_noise.size(); i += ErrorProcess::kSize + 1) {
+    is_sane = is_sane && motion.error_initial[i] >= 0.0 && motion.error_noise[i] >= 0.0;
+  }
+  return is_sane;
+}
+
+bool is_sane_hypothesis(const MotionHypothesis& hypothesis) {
+  return is_sane_pose(hypothesis.previous_T_current) && is_sane_log_weight(hypothesis.log_weight) &&
+         is_sane_covariance(hypothesis.covariance);
 }
 
 Pose2 read_pose(WireReader& reader) {
@@ -58,12 +77,45 @@ Pose2 read_pose(WireReader& reader) {
   return {x_m, y_m, reader.real64()};
 }
 
-bool is_sane_motion(const MotionRecord& motion) {
-  return motion.from_stamp_ns <= motion.to_stamp_ns && is_sane_pose(motion.odom_T_scan) &&
-         is_sane_pose(motion.previous_T_current) && is_sane_covariance(motion.covariance) &&
-         is_sane_error(motion.error_carried) && is_sane_error(motion.error_added) &&
-         is_sane(motion.information_1_m2[0]) && is_sane(motion.information_1_m2[1]) && is_sane_share(motion.fitness) &&
-         is_sane_share(motion.second_peak_ratio) && motion.evaluations >= 0;
+MotionHypothesis read_hypothesis(WireReader& reader) {
+  MotionHypothesis hypothesis;
+  hypothesis.previous_T_current = read_pose(reader);
+  hypothesis.log_weight = reader.real64();
+  reader.reals(hypothesis.covariance);
+  return hypothesis;
+}
+
+/// All that stands between the stamps and the alternatives.
+void read_motion(WireReader& reader, Motion& motion) {
+  motion.duration_ns = reader.int64();
+  motion.duration_sd_s = reader.real64();
+  motion.previous_T_current = read_pose(reader);
+  motion.odom_T_current = read_pose(reader);
+  reader.skip(sizeof(MatrixRows<3>));  // the covariance
+  reader.reals(motion.error_initial);
+  reader.reals(motion.error_transition);
+  reader.reals(motion.error_noise);
+  motion.fitness = reader.real64();
+  motion.score = reader.real64();
+  motion.second_peak_ratio = reader.real64();
+  motion.strong_information_1_m2 = reader.real64();
+  motion.weak_information_1_m2 = reader.real64();
+  motion.evaluations = reader.int32();
+  motion.steps = reader.int32();
+  motion.flags = reader.unsigned_number<std::uint32_t>();
+  motion.probability = reader.real64();
+  motion.log_weight = reader.real64();
+}
+
+bool is_sane_motion(const Motion& motion) {
+  return motion.from_stamp_ns <= motion.to_stamp_ns && motion.duration_ns >= 0 &&
+         motion.duration_ns <= kDurationMaxNs && is_sane_share(motion.duration_sd_s) && motion.probability >= 0.0 &&
+         motion.probability <= 1.0 && is_sane_pose(motion.previous_T_current) && is_sane_pose(motion.odom_T_current) &&
+         is_sane_error(motion) && is_sane_share(motion.fitness) && is_sane(motion.score) &&
+         is_sane_share(motion.second_peak_ratio) && is_sane(motion.strong_information_1_m2) &&
+         is_sane(motion.weak_information_1_m2) && motion.evaluations >= 0 && motion.steps > 0 &&
+         (motion.flags & ~kMotionFlags) == 0 && is_sane_log_weight(motion.log_weight) &&
+         std::all_of(motion.others().begin(), motion.others().end(), is_sane_hypothesis);
 }
 
 }  // namespace
@@ -102,29 +154,25 @@ Result<RawScan> decode_scan(std::span<const std::byte> message, std::span<float>
                  .ranges_m = used_m};
 }
 
-Result<MotionRecord> decode_motion(std::span<const std::byte> message) {
+Result<Motion> decode_motion(std::span<const std::byte> message) {
   WireReader reader(message);
-  if (reader.int64() != pose_covariance_t::getHash()) {
+  if (reader.int64() != motion_t::getHash()) {
     return reader.ok() ? Errc::kUnknownType : Errc::kMalformed;
   }
   const std::int64_t utime = reader.int64();
   const std::int64_t reference_utime = reader.int64();
-  const std::string_view frame = reader.text();
-  if (reader.ok() && frame != "odom") {
-    return Errc::kUnknownType;
+  Motion motion;
+  read_motion(reader, motion);
+  const std::int32_t alternatives = reader.int32();
+  if (!reader.ok() || alternatives < 0) {
+    return Errc::kMalformed;
   }
-  MotionRecord motion;
-  motion.odom_T_scan = read_pose(reader);
-  motion.previous_T_current = read_pose(reader);
-  reader.reals(motion.covariance);
-  reader.reals(motion.error_carried);
-  reader.reals(motion.error_added);
-  reader.reals(motion.information_1_m2);
-  motion.fitness = reader.real64();
-  motion.second_peak_ratio = reader.real64();
-  motion.evaluations = reader.int32();
-  reader.skip(sizeof(std::int32_t) + sizeof(double));  // particles, of a filter
-  motion.flags = reader.int32();
+  if (static_cast<std::size_t>(alternatives) > Motion::kAlternativesMax) {
+    return Errc::kTooLong;
+  }
+  motion.alternative_count = alternatives;
+  const auto end = motion.alternatives.begin() + alternatives;
+  std::generate(motion.alternatives.begin(), end, [&reader] { return read_hypothesis(reader); });
   if (!reader.ok() || !reader.rest().empty()) {
     return Errc::kMalformed;
   }
@@ -133,10 +181,7 @@ Result<MotionRecord> decode_motion(std::span<const std::byte> message) {
   }
   motion.to_stamp_ns = utime * 1000;
   motion.from_stamp_ns = reference_utime * 1000;
-  if (!is_sane_motion(motion)) {
-    return Errc::kBadNumber;
-  }
-  return motion;
+  return is_sane_motion(motion) ? Result<Motion>(motion) : Errc::kBadNumber;
 }
 
 }  // namespace odoless

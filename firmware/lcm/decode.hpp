@@ -12,9 +12,9 @@ namespace odoless {
 /// Messages from a network to records: what comes in here may have been made by anybody.
 ///
 /// Whatever the bytes are, these return a record whose numbers are finite and sane, or say why not:
-/// Errc::kUnknownType (fingerprint or frame of another message), Errc::kMalformed (cut short, too long for its own
-/// counts, or a count below zero), Errc::kTooLong (more beams than there is room for), Errc::kBadNumber (a number that
-/// is not finite, denormal, negative where it cannot be, or beyond all that a robot does).
+/// Errc::kUnknownType (fingerprint of another message), Errc::kMalformed (cut short, too long for its own
+/// counts, or a count below zero), Errc::kTooLong (more of something than there is room for), Errc::kBadNumber (a
+/// number that is not finite, denormal, negative where it cannot be, or beyond all that a robot does).
 ///
 /// Real time: no allocation, no system call; linear in the message.
 
@@ -22,7 +22,8 @@ namespace odoless {
 /// negative or denormal becomes 0: nothing is known of that beam. Infinity stays: no return. Intensities are skipped.
 [[nodiscard]] Result<RawScan> decode_scan(std::span<const std::byte> message, std::span<float> ranges_m);
 
-/// An odoless.pose_covariance_t of frame "odom": what was a MotionRecord, bit for bit.
-[[nodiscard]] Result<MotionRecord> decode_motion(std::span<const std::byte> message);
+/// An odoless.motion_t: what was a Motion, bit for bit, with stamps of whole microseconds. Errc::kTooLong where it has
+/// more alternatives than one can have. Its covariance is skipped, as it follows from the rest.
+[[nodiscard]] Result<Motion> decode_motion(std::span<const std::byte> message);
 
 }  // namespace odoless

@@ -33,6 +33,7 @@ struct LcmLink::Messages {
     raw.data.reserve(kMessageMaxBytes);
     tile.data.resize(kMessageMaxBytes - kHeaderMaxBytes);
     map.mapData.resize(kMessageMaxBytes - kHeaderMaxBytes);
+    motion.alternatives.reserve(Motion::kAlternativesMax);
     points.points.assign(kPointsMax, std::vector<float>(3));
     points.seq = -1;
     reserve_cloud(cloud);
@@ -41,7 +42,8 @@ struct LcmLink::Messages {
   bot_core::planar_lidar_t scan{};
   bot_core::raw_t raw{};
   bot_core::joint_state_t tilt{};
-  pose_covariance_t pose_covariance{};
+  motion_t motion{};
+  pose_estimate_t pose_estimate{};
   bot_core::pose_t pose{};
   bot_core::rigid_transform_t map_to_odom{};
   map_tile_t tile{};
@@ -188,18 +190,18 @@ Errc LcmLink::publish(const TiltRecord& tilt) {
   return send(channels_.tilt, messages_->tilt);
 }
 
-Errc LcmLink::publish(const MotionRecord& motion) {
+Errc LcmLink::publish(const Motion& motion) {
   last_motion_ = motion;
-  to_message(motion, messages_->pose_covariance);
-  return send_and_keep(channels_.motion, messages_->pose_covariance, last_motion_message_);
+  to_message(motion, messages_->motion);
+  return send_and_keep(channels_.motion, messages_->motion, last_motion_message_);
 }
 
 Errc LcmLink::publish(const PoseRecord& pose) {
   const bool fresh = std::abs(pose.stamp_ns - last_motion_.to_stamp_ns) <= kVelocityAgeMaxNs;
   to_message(pose, fresh ? velocity_of(last_motion_, pose.map_T_scan.yaw_rad) : Velocity{}, messages_->pose);
   Errc error = send(channels_.pose, messages_->pose);
-  to_message(pose, messages_->pose_covariance);
-  error = first_error(error, send(channels_.pose_covariance, messages_->pose_covariance));
+  to_message(pose, messages_->pose_estimate);
+  error = first_error(error, send(channels_.pose_covariance, messages_->pose_estimate));
   to_message(pose, messages_->map_to_odom);
   return first_error(error, send(channels_.map_to_odom, messages_->map_to_odom));
 }

@@ -75,7 +75,7 @@ class LcmLink {
   /// To the tap alone unless the parameters say otherwise.
   [[nodiscard]] Errc publish(const RawBytesRecord& raw, std::span<const std::byte> bytes);
   [[nodiscard]] Errc publish(const TiltRecord& tilt);
-  [[nodiscard]] Errc publish(const MotionRecord& motion);
+  [[nodiscard]] Errc publish(const Motion& motion);
   /// Three messages: pose, pose with covariance, and where odom is in the map. The velocity is that of the last motion
   /// published, if that ended not more than a second from this pose.
   [[nodiscard]] Errc publish(const PoseRecord& pose);
@@ -131,7 +131,7 @@ class LcmLink {
   bool sends_again_ = false;
   Last last_scan_message_;
   Last last_motion_message_;
-  MotionRecord last_motion_;
+  Motion last_motion_;
   std::int32_t tiles_sent_ = 0;
   LcmCounters counters_;
 };

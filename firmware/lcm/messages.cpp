@@ -1,6 +1,7 @@
 #include "firmware/lcm/messages.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/check.hpp"
@@ -8,14 +9,23 @@
 namespace odoless {
 namespace {
 
-constexpr double kNsPerS = 1e9;
-
 std::int64_t utime(std::int64_t stamp_ns) { return stamp_ns / 1000; }
 
 void to_array(const Pose2& pose, double (&out)[3]) {
   out[0] = pose.x_m;
   out[1] = pose.y_m;
   out[2] = pose.yaw_rad;
+}
+
+template <std::size_t kSize>
+void to_array(const std::array<double, kSize>& values, double (&out)[kSize]) {
+  std::copy(values.begin(), values.end(), std::begin(out));
+}
+
+void to_message(const MotionHypothesis& hypothesis, motion_hypothesis_t& message) {
+  to_array(hypothesis.previous_T_current, message.step);
+  message.log_weight = hypothesis.log_weight;
+  to_array(hypothesis.covariance, message.covariance);
 }
 
 // Rotation about z as w, x, y, z.
@@ -66,9 +76,9 @@ std::int16_t status_type(LrfDriver laser) {
 
 }  // namespace
 
-Velocity velocity_of(const MotionRecord& motion, double map_yaw_rad) {
-  const double period_s = static_cast<double>(motion.to_stamp_ns - motion.from_stamp_ns) / kNsPerS;
-  if ((motion.flags & kMatched) == 0 || period_s <= 0.0) {
+Velocity velocity_of(const Motion& motion, double map_yaw_rad) {
+  const double period_s = motion.duration_s();
+  if (!motion.matched() || period_s <= 0.0) {
     return {};
   }
   const Pose2& step = motion.previous_T_current;
@@ -103,40 +113,44 @@ void to_message(const TiltRecord& tilt, bot_core::joint_state_t& message) {
   message.joint_effort.assign(1, 0.0F);
 }
 
-void to_message(const MotionRecord& motion, pose_covariance_t& message) {
+void to_message(const Motion& motion, motion_t& message) {
   message.utime = utime(motion.to_stamp_ns);
   message.reference_utime = utime(motion.from_stamp_ns);
-  message.frame = "odom";
-  to_array(motion.odom_T_scan, message.pose);
+  message.duration_ns = motion.duration_ns;
+  message.duration_sd = motion.duration_sd_s;
   to_array(motion.previous_T_current, message.step);
-  std::copy(motion.covariance.begin(), motion.covariance.end(), std::begin(message.covariance));
-  std::copy(motion.error_carried.begin(), motion.error_carried.end(), std::begin(message.error_carried));
-  std::copy(motion.error_added.begin(), motion.error_added.end(), std::begin(message.error_added));
-  std::copy(motion.information_1_m2.begin(), motion.information_1_m2.end(), std::begin(message.information));
+  to_array(motion.odom_T_current, message.pose);
+  to_array(rows_of<3>(motion.covariance()), message.covariance);
+  to_array(motion.error_initial, message.error_initial);
+  to_array(motion.error_transition, message.error_transition);
+  to_array(motion.error_noise, message.error_noise);
   message.fitness = motion.fitness;
+  message.score = motion.score;
   message.second_peak_ratio = motion.second_peak_ratio;
+  message.information[0] = motion.strong_information_1_m2;
+  message.information[1] = motion.weak_information_1_m2;
   message.evaluations = motion.evaluations;
-  message.particles = 0;
-  message.effective_particles = 0.0;
-  message.flags = motion.flags;
+  message.steps = motion.steps;
+  message.flags = static_cast<std::int32_t>(motion.flags);
+  message.probability = motion.probability;
+  message.log_weight = motion.log_weight;
+  message.alternative_count = motion.alternative_count;
+  message.alternatives.resize(motion.others().size());
+  for (std::size_t i = 0; i < message.alternatives.size(); ++i) {
+    to_message(motion.alternatives[i], message.alternatives[i]);
+  }
 }
 
-void to_message(const PoseRecord& pose, pose_covariance_t& message) {
+void to_message(const PoseRecord& pose, pose_estimate_t& message) {
   message.utime = utime(pose.stamp_ns);
-  message.reference_utime = utime(pose.update_stamp_ns);
-  message.frame = "map";
+  message.update_utime = utime(pose.update_stamp_ns);
   to_array(pose.map_T_scan, message.pose);
   to_array(pose.update_T_scan, message.step);
-  std::copy(pose.covariance.begin(), pose.covariance.end(), std::begin(message.covariance));
-  std::fill(std::begin(message.error_carried), std::end(message.error_carried), 0.0);
-  std::fill(std::begin(message.error_added), std::end(message.error_added), 0.0);
-  std::fill(std::begin(message.information), std::end(message.information), 0.0);
-  message.fitness = pose.log_likelihood_per_beam;
-  message.second_peak_ratio = 0.0;
-  message.evaluations = 0;
+  to_array(pose.covariance, message.covariance);
+  message.log_likelihood_per_beam = pose.log_likelihood_per_beam;
   message.particles = pose.particles;
   message.effective_particles = pose.effective_particles;
-  message.flags = pose.updated != 0 ? pose_covariance_t::FILTER_UPDATED : 0;
+  message.updated = static_cast<std::int8_t>(pose.updated);
 }
 
 void to_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose_t& message) {

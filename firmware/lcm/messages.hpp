@@ -13,7 +13,8 @@
 #include <odoless/cloud_health_t.hpp>
 #include <odoless/health_t.hpp>
 #include <odoless/map_tile_t.hpp>
-#include <odoless/pose_covariance_t.hpp>
+#include <odoless/motion_t.hpp>
+#include <odoless/pose_estimate_t.hpp>
 #include <span>
 
 #include "core/geometry/pose2.hpp"
@@ -44,14 +45,14 @@ struct Velocity {
 };
 
 /// Mean velocity over the motion that ended at a scan at `map_yaw_rad`; zero where nothing was matched.
-[[nodiscard]] Velocity velocity_of(const MotionRecord& motion, double map_yaw_rad);
+[[nodiscard]] Velocity velocity_of(const Motion& motion, double map_yaw_rad);
 
 void to_message(const ScanRecord& scan, std::span<const float> ranges_m, bot_core::planar_lidar_t& message);
 void to_message(const RawBytesRecord& raw, std::span<const std::byte> bytes, bot_core::raw_t& message);
 /// One joint, "tilt".
 void to_message(const TiltRecord& tilt, bot_core::joint_state_t& message);
-void to_message(const MotionRecord& motion, pose_covariance_t& message);
-void to_message(const PoseRecord& pose, pose_covariance_t& message);
+void to_message(const Motion& motion, motion_t& message);
+void to_message(const PoseRecord& pose, pose_estimate_t& message);
 void to_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose_t& message);
 void to_message(const HealthReport& health, health_t& message);
 void to_message(const CloudHealth& cloud, std::int64_t stamp_ns, cloud_health_t& message);

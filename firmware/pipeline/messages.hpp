@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "core/odometry/laser_odometry.hpp"
+#include "core/motion/motion.hpp"
 #include "firmware/records/health.hpp"
 #include "rt/latency_histogram.hpp"
 
@@ -15,7 +15,7 @@ inline constexpr ScanSlot kNoSlot = UINT32_MAX;
 /// From the matcher to the filter. The filter gives the slot back; a motion without a scan only composes.
 struct MotionMessage {
   ScanSlot slot = kNoSlot;
-  OdometryStep step;
+  Motion motion;
   std::int64_t matcher_cpu_ns = 0;  ///< that it took to find it
 };
 

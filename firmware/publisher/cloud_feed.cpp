@@ -31,8 +31,8 @@ CloudFeed::CloudFeed(const MappingParams& params, int beams_max)
 
 void CloudFeed::add(const TiltRecord& tilt) { static_cast<void>(tilts_.add(tilt.stamp_ns, tilt.angle_rad)); }
 
-void CloudFeed::add(const MotionRecord& motion) {
-  static_cast<void>(odom_T_scan_.add(motion.to_stamp_ns, motion.odom_T_scan));
+void CloudFeed::add(const Motion& motion) {
+  static_cast<void>(odom_T_scan_.add(motion.to_stamp_ns, motion.odom_T_current));
 }
 
 void CloudFeed::add(const PoseRecord& pose) {

@@ -29,7 +29,7 @@ class CloudFeed {
   void add(const TiltRecord& tilt);
   void add(const ScanRecord& scan, std::span<const float> ranges_m);
   /// The poses in the smooth frame: of level scans.
-  void add(const MotionRecord& motion);
+  void add(const Motion& motion);
   /// Of a map that was begun anew, as its first pose says, nothing of before is kept.
   void add(const PoseRecord& pose);
   /// The trajectory as known now, a pose per filter update: keys are put where it has them.

@@ -98,7 +98,7 @@ void Publisher::take_tilt(std::span<const std::byte> bytes) {
 }
 
 void Publisher::take_motion(std::span<const std::byte> bytes) {
-  const auto motion = record_of<MotionRecord>(bytes);
+  const auto motion = record_of<Motion>(bytes);
   if (cloud_) {
     cloud_->add(motion);
   }

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/scan/scan_time.hpp"
+
 namespace odoless {
 
 /// The daemon's state, best last but one: what a robot may do with its pose.
@@ -49,12 +51,13 @@ struct SourceHealth {
   std::int64_t accepted = 0;
   std::int64_t rejected = 0;  ///< malformed, or refused by the scan frame
   std::int64_t late = 0;
-  std::int64_t duplicate = 0;  ///< a stamp that was there before
-  std::int64_t out_of_order = 0;
-  std::int64_t resyncs = 0;  ///< bytes were skipped to find the next frame
-  std::int64_t dropped = 0;  ///< evicted because the matcher was busy
+  std::int64_t duplicate = 0;     ///< a stamp that was there before; refused
+  std::int64_t out_of_order = 0;  ///< a stamp older than the one before: refused of a live source, else timed anew
+  std::int64_t resyncs = 0;       ///< bytes were skipped to find the next frame
+  std::int64_t dropped = 0;       ///< evicted because the matcher was busy
   std::int64_t reconnects = 0;
   std::int64_t datagrams_lost = 0;
+  ScanTimeFindings times{};  ///< what the stamps of the accepted scans were like
 };
 
 /// A round of a stage: when it was by CLOCK_MONOTONIC, as in the kernel's own records, and its CPU time.

@@ -1,15 +1,15 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 
-#include "core/geometry/pose2.hpp"
+#include "core/motion/motion.hpp"
 
 namespace odoless {
 
 /// What the real-time stages tell the outside. All are trivially copyable and of fixed size, so that they can be copied
-/// through a ring without a heap call; those with beams, bytes or cells are followed by them in the ring.
+/// through a ring without a heap call; those with beams, bytes or cells are followed by them in the ring. What a match
+/// found is told as it is: core/motion/motion.hpp.
 ///
 /// Stamps are those of scans: whole microseconds in nanoseconds, on the monotonic clock with its origin moved once, at
 /// start, to the Unix epoch. LCM's utime is stamp_ns / 1000.
@@ -36,24 +36,6 @@ struct RawBytesRecord {
   std::int32_t to_device = 0;  ///< 1: sent, 0: received
   RawLine line = RawLine::kLaser;
 };
-
-/// What a match found: motion since the scan before.
-struct MotionRecord {
-  std::int64_t from_stamp_ns = 0;
-  std::int64_t to_stamp_ns = 0;
-  Pose2 previous_T_current{};
-  Pose2 odom_T_scan{};                     ///< sum of all motions; a reader that missed some composes with it
-  std::array<double, 9> covariance{};      ///< of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes
-  std::array<double, 25> error_carried{};  ///< of MotionError, row by row
-  std::array<double, 25> error_added{};
-  std::array<double, 2> information_1_m2{};  ///< strongest and weakest direction's curvature of the fitness
-  double fitness = 0.0;
-  double second_peak_ratio = 0.0;  ///< 0: none
-  std::int32_t evaluations = 0;
-  std::int32_t flags = 0;  ///< of MotionFlag
-};
-
-enum MotionFlag : std::int32_t { kMatched = 1, kConverged = 2, kEscalated = 4, kDeadlineHit = 8 };
 
 /// Where the scan is in the map, as known now.
 struct PoseRecord {

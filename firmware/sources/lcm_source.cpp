@@ -39,7 +39,7 @@ void LcmSource::take_scan(const LcmMessage& message, ScanSink& sink) {
 }
 
 void LcmSource::take_motion(const LcmMessage& message, ScanSink& sink) {
-  const Result<MotionRecord> motion = decode_motion(message.payload);
+  const Result<Motion> motion = decode_motion(message.payload);
   if (!motion.ok()) {
     ++refused_;
   } else if (message.channel == names_.motion || motion.value().to_stamp_ns > last_motion_ns_) {

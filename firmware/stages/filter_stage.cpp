@@ -8,26 +8,24 @@ FilterStage::FilterStage(const RobotParams& params, std::uint64_t seed)
     : gate_(params.gate), filter_(params.slam, params.scan, seed), recovery_(params.recovery, params.scan, filter_) {}
 
 bool FilterStage::gate_is_open() const {
-  return !started_ || std::hypot(update_T_scan_.x_m, update_T_scan_.y_m) >= gate_.distance_m ||
-         std::abs(update_T_scan_.yaw_rad) >= gate_.rotation_rad;
+  const Pose2& update_T_scan = since_update_.previous_T_current;
+  return !started_ || std::hypot(update_T_scan.x_m, update_T_scan.y_m) >= gate_.distance_m ||
+         std::abs(update_T_scan.yaw_rad) >= gate_.rotation_rad;
 }
 
-void FilterStage::compose(const OdometryStep& step) {
-  error_ = error_.then(step.error);
-  update_T_scan_ = update_T_scan_ * step.previous_T_current;
+void FilterStage::compose(const Motion& motion) {
+  since_update_ = since_update_.then(motion);
+  since_scan_ = since_scan_.then(motion);
 }
 
-MotionIncrement FilterStage::increment(std::int64_t stamp_ns) const {
-  return {update_stamp_ns_, stamp_ns, update_T_scan_, gate_.widen_by_match ? error_ : MotionError{}};
-}
-
-FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step, const Deadline& deadline) {
-  compose(step);
+FilterStep FilterStage::process(const ScanFrame& scan, const Motion& motion, const Deadline& deadline) {
+  compose(motion);
   FilterStep out;
-  const Advice advice = diagnose(scan, step);
+  const Advice advice = diagnose(scan);
+  since_scan_ = Motion{};
   out.found = advice == Advice::kFound;
   if (out.found) {
-    restart_increment();  // the particles stand at this scan
+    restart(scan.stamp_ns());
   }
   if (!paused_ && advice != Advice::kHold && (out.found || gate_is_open())) {
     update(scan, deadline, out);
@@ -35,35 +33,29 @@ FilterStep FilterStage::process(const ScanFrame& scan, const OdometryStep& step,
   if (!recovery_.lost()) {
     filter_.work();
   }
-  return placed(out, step);
+  return placed(out, motion);
 }
 
-FilterStep FilterStage::process(const OdometryStep& step) {
-  compose(step);
-  recovery_.move(step.previous_T_current);
-  return placed({}, step);
+FilterStep FilterStage::process(const Motion& motion) {
+  compose(motion);
+  return placed({}, motion);
 }
 
-Advice FilterStage::diagnose(const ScanFrame& scan, const OdometryStep& step) {
+Advice FilterStage::diagnose(const ScanFrame& scan) {
   if (!started_) {
     return Advice::kGoOn;
   }
-  return recovery_.process(filter_, {.scan = scan,
-                                     .update_T_scan = update_T_scan_,
-                                     .previous_T_current = step.previous_T_current,
-                                     .jolted = step.jolted,
-                                     .matched = step.matched && (step.match.converged || !step.match.escalated),
-                                     .period_s = 1e-9 * static_cast<double>(step.to_stamp_ns - step.from_stamp_ns),
-                                     .escalated = step.match.escalated,
-                                     .weak_information_1_m2 = step.match.weak_information_1_m2});
+  return recovery_.process(filter_,
+                           {.scan = scan, .update_T_scan = since_update_.previous_T_current, .motion = since_scan_});
 }
 
 // Scans before the first one may have been lost on their way; far from the middle of the grid there is less room.
 void FilterStage::begin() {
   const GridGeometry& grid = geometry();
   const double reach_m = 0.25 * grid.resolution_m * std::min(grid.columns, grid.rows);
-  if (std::max(std::abs(update_T_scan_.x_m), std::abs(update_T_scan_.y_m)) < reach_m) {
-    filter_.reset(update_T_scan_);
+  const Pose2& odom_T_scan = since_update_.previous_T_current;
+  if (std::max(std::abs(odom_T_scan.x_m), std::abs(odom_T_scan.y_m)) < reach_m) {
+    filter_.reset(odom_T_scan);
   }
   begun_ = true;
 }
@@ -72,25 +64,28 @@ void FilterStage::update(const ScanFrame& scan, const Deadline& deadline, Filter
   if (!begun_) {
     begin();
   }
-  out.report = filter_.update(increment(scan.stamp_ns()), scan, deadline);
-  recovery_.note(out.report, filter_.particles());
+  if (!gate_.widen_by_match) {
+    since_update_.set_error({});
+  }
+  out.report = filter_.update(since_update_, scan, deadline);
+  recovery_.note_update();
   out.updated = true;
   started_ = true;
   update_stamp_ns_ = scan.stamp_ns();
-  restart_increment();
+  since_update_ = Motion{};
 }
 
-void FilterStage::restart_increment() {
-  update_T_scan_ = Pose2{};
-  error_ = MotionError{};
-}
+void FilterStage::restart(std::int64_t stamp_ns) { since_update_ = Motion::between(update_stamp_ns_, stamp_ns, {}); }
 
-FilterStep FilterStage::placed(FilterStep out, const OdometryStep& step) const {
+FilterStep FilterStage::placed(FilterStep out, const Motion& motion) const {
   out.update_stamp_ns = update_stamp_ns_;
-  out.update_T_scan = update_T_scan_;
-  out.map_T_scan = filter_.estimate().map_T_scan * update_T_scan_;
-  out.map_T_odom = out.map_T_scan * step.odom_T_scan.inverse();
-  out.tracking = recovery_.state();
+  out.update_T_scan = since_update_.previous_T_current;
+  const PoseEstimate estimate = filter_.estimate();
+  out.map_T_scan = estimate.map_T_scan * out.update_T_scan;
+  out.map_T_odom = out.map_T_scan * motion.odom_T_current.inverse();
+  const double agreement = estimate.agreement * since_update_.weight();
+  out.tracking = recovery_.state(agreement);
+  out.probability = agreement * recovery_.probability();
   out.fit = recovery_.fit();
   return out;
 }
@@ -99,7 +94,7 @@ void FilterStage::reset(const Pose2& map_T_scan) {
   begun_ = true;
   filter_.reset(map_T_scan);
   recovery_.reset();
-  restart_increment();
+  since_update_ = since_scan_ = Motion{};
   started_ = false;
 }
 
@@ -107,7 +102,7 @@ void FilterStage::set_pose(const Pose2& map_T_scan) {
   begun_ = true;
   filter_.set_pose(map_T_scan);
   recovery_.trust();
-  restart_increment();
+  restart(since_update_.steps > 0 ? since_update_.to_stamp_ns : update_stamp_ns_);
 }
 
 }  // namespace odoless

@@ -19,12 +19,14 @@ struct FilterStep {
   bool updated = false;
   UpdateReport report{};
   Tracking tracking = Tracking::kSure;
-  bool found = false;  ///< a lost robot, with this scan
-  double fit = 1.0;    ///< ScanFit of the scan; 1 before the first update
+  double probability = 1.0;  ///< that map_T_scan is right within 0.5 m and 5 deg
+  bool found = false;        ///< a lost robot, with this scan
+  double fit = 1.0;          ///< ScanFit of the scan; 1 before the first update
 };
 
-/// Motion in, poses and a map out: the filter thread's work. Composes increments and updates the filter when the robot
+/// Motion in, poses and a map out: the filter thread's work. Composes motions and updates the filter when the robot
 /// has moved far enough. A robot that is lost maps nothing until it is found.
+/// Motions without a scan and the next one with a scan give what their composition with that scan gives.
 /// The map begins at the odometry's origin.
 ///
 /// Thread: filter thread, or the one thread of a replay. Real time: no allocation after construction.
@@ -33,9 +35,9 @@ class FilterStage {
   FilterStage(const RobotParams& params, std::uint64_t seed);
 
   /// @param deadline  For a live filter that must keep its time (Lslam::update).
-  [[nodiscard]] FilterStep process(const ScanFrame& scan, const OdometryStep& step, const Deadline& deadline = {});
+  [[nodiscard]] FilterStep process(const ScanFrame& scan, const Motion& motion, const Deadline& deadline = {});
   /// A motion whose scan was lost: the pose goes on, and the next scan may update the filter.
-  [[nodiscard]] FilterStep process(const OdometryStep& step);
+  [[nodiscard]] FilterStep process(const Motion& motion);
 
   /// Forgets poses and map; the next scan is taken from here.
   void reset(const Pose2& map_T_scan);
@@ -60,19 +62,19 @@ class FilterStage {
  private:
   [[nodiscard]] bool gate_is_open() const;
   void begin();
-  void compose(const OdometryStep& step);
-  void restart_increment();
+  void compose(const Motion& motion);
+  /// The filter's particles are put where the scan at this stamp was.
+  void restart(std::int64_t stamp_ns);
   void update(const ScanFrame& scan, const Deadline& deadline, FilterStep& out);
   /// What the filter thinks of its pose, now that it sees this scan.
-  [[nodiscard]] Advice diagnose(const ScanFrame& scan, const OdometryStep& step);
-  [[nodiscard]] FilterStep placed(FilterStep out, const OdometryStep& step) const;
-  [[nodiscard]] MotionIncrement increment(std::int64_t stamp_ns) const;
+  [[nodiscard]] Advice diagnose(const ScanFrame& scan);
+  [[nodiscard]] FilterStep placed(FilterStep out, const Motion& motion) const;
 
   GateParams gate_;
   Slam filter_;
   Recovery recovery_;
-  Pose2 update_T_scan_{};
-  MotionError error_{};  ///< of update_T_scan_
+  Motion since_update_{};  ///< to the last motion's end
+  Motion since_scan_{};
   std::int64_t update_stamp_ns_ = 0;
   bool begun_ = false;  ///< the first scan, or a command, has said where the map begins
   bool started_ = false;

@@ -3,9 +3,9 @@
 namespace odoless {
 
 MatcherStage::MatcherStage(const RobotParams& params, std::uint64_t seed)
-    : odometry_(params.odometry, params.matcher, params.scan), rng_(seed, 1) {}
+    : odometry_(params.odometry, params.limits, params.matcher, params.scan), rng_(seed, 1) {}
 
-OdometryStep MatcherStage::process(ScanFrame& scan, const Deadline& deadline) {
+Motion MatcherStage::process(ScanFrame& scan, const Deadline& deadline) {
   scan.deskew(odometry_.velocity());
   return odometry_.process(scan, deadline, rng_);
 }

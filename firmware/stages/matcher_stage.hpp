@@ -16,7 +16,7 @@ class MatcherStage {
   MatcherStage(const RobotParams& params, std::uint64_t seed);
 
   /// Deskews `scan` by the motion so far, where it tells its beams' times; the filter wants it like that too.
-  [[nodiscard]] OdometryStep process(ScanFrame& scan, const Deadline& deadline = {});
+  [[nodiscard]] Motion process(ScanFrame& scan, const Deadline& deadline = {});
 
  private:
   LaserOdometry odometry_;

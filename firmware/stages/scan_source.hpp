@@ -22,7 +22,7 @@ class ScanSink {
  public:
   virtual void on_scan(const RawScan& scan) = 0;
   /// From a matcher elsewhere.
-  virtual void on_motion(const MotionRecord& motion) = 0;
+  virtual void on_motion(const Motion& motion) = 0;
   /// Bytes as they were on the wire; of a CAN bus a line of candump.
   virtual void on_raw(RawLine line, std::span<const std::byte> bytes, bool to_device) = 0;
   virtual void on_tilt(const TiltRecord& tilt) = 0;

@@ -6,7 +6,7 @@ namespace odoless {
 namespace {
 
 // FNV-1a over the ranges' bits: equal scans are told from noise, nothing more.
-std::uint64_t digest(std::span<const float> ranges_m) {
+std::uint64_t digest_of(std::span<const float> ranges_m) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   for (const float range_m : ranges_m) {
     hash = (hash ^ std::bit_cast<std::uint32_t>(range_m)) * 0x100000001b3U;
@@ -22,16 +22,19 @@ bool SensorStage::begins_anew(std::int64_t stamp_ns) {
   return earlier_in_a_row_ >= kAnewScans;
 }
 
-ScanVerdict SensorStage::judge_stamp(std::int64_t stamp_ns, std::int64_t now_ns) {
-  if (stamp_ns == last_stamp_ns_) {
+ScanVerdict SensorStage::judge(const RawScan& raw, std::uint64_t digest, std::int64_t now_ns) {
+  if (raw.stamp_ns == last_stamp_ns_ && (live_ || digest == last_digest_)) {
     ++counts_.duplicate;
     return ScanVerdict::kDuplicate;
   }
-  if (stamp_ns < last_stamp_ns_ && !begins_anew(stamp_ns)) {
+  if (!live_) {
+    return ScanVerdict::kAccepted;
+  }
+  if (raw.stamp_ns < last_stamp_ns_ && !begins_anew(raw.stamp_ns)) {
     ++counts_.out_of_order;
     return ScanVerdict::kOutOfOrder;
   }
-  if (live_ && now_ns - stamp_ns > kLate_ns) {
+  if (now_ns - raw.stamp_ns > kLate_ns) {
     ++counts_.late;
     return ScanVerdict::kLate;
   }
@@ -39,7 +42,8 @@ ScanVerdict SensorStage::judge_stamp(std::int64_t stamp_ns, std::int64_t now_ns)
 }
 
 ScanVerdict SensorStage::process(const RawScan& raw, std::int64_t now_ns, ScanFrame& frame) {
-  const ScanVerdict verdict = judge_stamp(raw.stamp_ns, now_ns);
+  const std::uint64_t digest = digest_of(raw.ranges_m);
+  const ScanVerdict verdict = judge(raw, digest, now_ns);
   if (verdict != ScanVerdict::kAccepted) {
     return verdict;
   }
@@ -47,22 +51,22 @@ ScanVerdict SensorStage::process(const RawScan& raw, std::int64_t now_ns, ScanFr
     ++counts_.rejected;
     return ScanVerdict::kMalformed;
   }
-  observe(raw, frame, now_ns);
-  ++counts_.accepted;
+  frame.set_time(clock_.next(raw.stamp_ns, live_ ? now_ns : ScanClock::kNoArrival));
+  observe(raw, digest, now_ns, frame);
   return ScanVerdict::kAccepted;
 }
 
-void SensorStage::observe(const RawScan& raw, const ScanFrame& frame, std::int64_t now_ns) {
-  if (counts_.accepted > 0 && raw.stamp_ns > last_stamp_ns_) {
-    const std::int64_t period_ns = raw.stamp_ns - last_stamp_ns_;
-    period_ns_ = period_ns_ == 0 ? period_ns : period_ns_ + (period_ns - period_ns_) / 8;
-  }
+void SensorStage::observe(const RawScan& raw, std::uint64_t digest, std::int64_t now_ns, ScanFrame& frame) {
+  ++counts_.accepted;
+  counts_.times = clock_.findings();
+  counts_.out_of_order = live_ ? counts_.out_of_order : counts_.times.out_of_order;
   last_stamp_ns_ = raw.stamp_ns;
+  last_digest_ = digest;
   earlier_in_a_row_ = 0;
   last_scan_ns_ = now_ns;
-  const std::uint64_t hash = digest(raw.ranges_m);
-  same_in_a_row_ = hash == last_digest_ ? same_in_a_row_ + 1 : 0;
-  last_digest_ = hash;
+  stuck_.add(raw.ranges_m);
+  frame.set_stale(stuck_.repeats());
+  stuck_in_a_row_ = stuck_.is_suspect() ? stuck_in_a_row_ + 1 : 0;
   blind_in_a_row_ = frame.returns() < kBlindShare * frame.size() ? blind_in_a_row_ + 1 : 0;
 }
 

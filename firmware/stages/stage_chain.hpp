@@ -13,7 +13,7 @@ namespace odoless {
 struct ChainStep {
   ScanVerdict verdict = ScanVerdict::kAccepted;
   std::int64_t stamp_ns = 0;  ///< of the scan
-  OdometryStep motion{};
+  Motion motion{};
   FilterStep filter{};
   std::int64_t matcher_cpu_ns = 0;
   std::int64_t filter_cpu_ns = 0;
@@ -28,7 +28,8 @@ class StageChain {
   /// @param live  Whether scans that are late against `now_ns` are refused (SensorStage).
   StageChain(const RobotParams& params, std::uint64_t seed, bool live);
 
-  [[nodiscard]] ChainStep process(const RawScan& raw, std::int64_t now_ns);
+  /// @param is_level  Whether the laser was: else nothing but the sensor stage takes the scan.
+  [[nodiscard]] ChainStep process(const RawScan& raw, std::int64_t now_ns, bool is_level = true);
 
   [[nodiscard]] const SensorStage& sensor() const { return sensor_; }
   [[nodiscard]] FilterStage& filter() { return filter_; }

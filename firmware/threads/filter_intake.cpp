@@ -4,29 +4,13 @@
 #include <optional>
 #include <utility>
 
-#include "firmware/records/convert.hpp"
-#include "firmware/threads/matcher_loop.hpp"
-
 namespace odoless {
-namespace {
-
-// The motion's covariance in the axes of the scan that it ends at: all that is known of the error over a gap.
-Eigen::Matrix3d in_current_axes(const OdometryStep& step) {
-  const double c = std::cos(step.previous_T_current.yaw_rad);
-  const double s = std::sin(step.previous_T_current.yaw_rad);
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() << c, s, -s, c;
-  return turn * step.covariance * turn.transpose();
-}
-
-}  // namespace
-
 void FilterIntake::take(ScanSlot slot) {
   if (const std::optional<ScanSlot> evicted = pipeline().scans.push(slot)) {
     give_back(*evicted);
   }
-  if (has_held_ && pipeline().pool.at(slot).stamp_ns() == held_.step.to_stamp_ns) {
-    held_.slot = scan_of(held_.step.to_stamp_ns);
+  if (has_held_ && pipeline().pool.at(slot).stamp_ns() == held_.motion.to_stamp_ns) {
+    held_.slot = scan_of(held_.motion.to_stamp_ns);
     release();
   }
 }
@@ -47,31 +31,41 @@ ScanSlot FilterIntake::scan_of(std::int64_t stamp_ns) {
   }
 }
 
-OdometryStep FilterIntake::step_of(const MotionRecord& motion) const {
-  OdometryStep step = to_step(motion);
-  if (!started_) {
-    step.previous_T_current = motion.odom_T_scan;  // whatever was lost before: the filter begins where the odometry is
-  } else if (motion.from_stamp_ns != last_stamp_ns_) {
-    // Of the motions in between only the sum is known; their deviations are taken to be like this one's.
-    const auto whole_s = static_cast<double>(motion.to_stamp_ns - last_stamp_ns_);
-    const auto own_s = static_cast<double>(motion.to_stamp_ns - motion.from_stamp_ns);
-    step.from_stamp_ns = last_stamp_ns_;
-    step.previous_T_current = odom_T_last_.inverse() * motion.odom_T_scan;
-    step.covariance *= own_s > 0.0 ? whole_s / own_s : 1.0;
-    step.error = MotionError::independent(in_current_axes(step));
+Motion FilterIntake::without_gap(const Motion& motion) const {
+  if (started_ && motion.from_stamp_ns != last_stamp_ns_) {
+    return missing_before(motion).then(motion);
   }
-  return step;
+  Motion whole = motion;
+  if (!started_) {
+    whole.previous_T_current = motion.odom_T_current;  // whatever was lost before: the filter begins where odometry is
+  }
+  return whole;
 }
 
-void FilterIntake::on_motion(const MotionRecord& motion) {
+// Only the sum of the lost motions is known; they are taken to be like this one, as uncertain for their time.
+Motion FilterIntake::missing_before(const Motion& motion) const {
+  Motion missing = motion;
+  missing.from_stamp_ns = last_stamp_ns_;
+  missing.to_stamp_ns = motion.from_stamp_ns;
+  missing.duration_ns = missing.to_stamp_ns - missing.from_stamp_ns;
+  missing.odom_T_current = motion.odom_T_current * motion.previous_T_current.inverse();
+  missing.previous_T_current = odom_T_last_.inverse() * missing.odom_T_current;
+  missing.evaluations = missing.alternative_count = 0;
+  const double ratio = motion.duration_ns > 0 ? missing.duration_s() / motion.duration_s() : 0.0;
+  const Eigen::Matrix3d covariance = motion.error().motion_covariance(motion.previous_T_current);
+  missing.set_error(ErrorProcess::independent(missing.previous_T_current, std::abs(ratio) * covariance));
+  return missing;
+}
+
+void FilterIntake::on_motion(const Motion& motion) {
   if (started_ && motion.to_stamp_ns <= last_stamp_ns_) {
     return;  // came twice, or too late: the sum is known already
   }
   release();  // the one before: its scan has been lost
-  held_ = {.slot = scan_of(motion.to_stamp_ns), .step = step_of(motion)};
+  held_ = {.slot = scan_of(motion.to_stamp_ns), .motion = without_gap(motion)};
   has_held_ = true;
   started_ = true;
-  odom_T_last_ = motion.odom_T_scan;
+  odom_T_last_ = motion.odom_T_current;
   last_stamp_ns_ = motion.to_stamp_ns;
   if (held_.slot != kNoSlot) {
     release();
@@ -87,7 +81,7 @@ void FilterIntake::release() {
     if (pending_.slot != kNoSlot) {
       give_back(pending_.slot);
     }
-    message.step = compose(pending_.step, message.step);
+    message.motion = pending_.motion.then(message.motion);
   }
   has_pending_ = !pipeline().motions.try_push(message);
   if (has_pending_) {

@@ -14,13 +14,15 @@ class FilterIntake final : public Intake {
  public:
   FilterIntake(Pipeline& pipeline, const Clock& clock) : Intake(pipeline, clock, false, false) {}
 
-  void on_motion(const MotionRecord& motion) override;
+  void on_motion(const Motion& motion) override;
 
  private:
   void take(ScanSlot slot) override;
   /// The waiting scan of this stamp; older ones go, for their motions have been lost.
   [[nodiscard]] ScanSlot scan_of(std::int64_t stamp_ns);
-  [[nodiscard]] OdometryStep step_of(const MotionRecord& motion) const;
+  /// With all that was lost between the last motion and this one.
+  [[nodiscard]] Motion without_gap(const Motion& motion) const;
+  [[nodiscard]] Motion missing_before(const Motion& motion) const;
   /// Hands the held motion to the filter, if there is one.
   void release();
 

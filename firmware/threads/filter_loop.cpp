@@ -1,7 +1,8 @@
 #include "firmware/threads/filter_loop.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "firmware/stages/stage_reports.hpp"
 
 namespace odoless {
 namespace {
@@ -46,20 +47,20 @@ void FilterLoop::process(const MotionMessage& message) {
   timer_.begin();
   const std::int64_t time_ns = update_time_ns(message);
   const CpuDeadline deadline(time_ns);
-  const FilterStep step = message.slot == kNoSlot ? stage_.process(message.step)
-                                                  : stage_.process(pipeline_.pool.at(message.slot), message.step,
+  const FilterStep step = message.slot == kNoSlot ? stage_.process(message.motion)
+                                                  : stage_.process(pipeline_.pool.at(message.slot), message.motion,
                                                                    pipeline_.lossless ? Deadline{} : deadline.view());
   if (message.slot != kNoSlot) {
     const bool pushed = pipeline_.slots_from_filter.try_push(message.slot);
     ODOLESS_CHECK(pushed);  // there is room for every slot
   }
-  publish(step, message.step);
+  publish(step, message.motion);
   const std::int64_t used_ns = timer_.end(report_.stage);
   report_.with_matcher.record(used_ns + message.matcher_cpu_ns);
   if (step.updated && !pipeline_.lossless) {
     adapt(used_ns, time_ns);
   }
-  report(step);
+  report();
   pipeline_.filter.heartbeat.fetch_add(1, std::memory_order_relaxed);
 }
 
@@ -95,7 +96,7 @@ void FilterLoop::adapt(std::int64_t used_ns, std::int64_t time_ns) {
   stage_.set_particles(static_cast<int>(particles_));
 }
 
-void FilterLoop::publish(const FilterStep& step, const OdometryStep& motion) {
+void FilterLoop::publish(const FilterStep& step, const Motion& motion) {
   const PoseEstimate estimate = stage_.filter().estimate();
   PoseRecord record;
   record.stamp_ns = motion.to_stamp_ns;
@@ -114,23 +115,10 @@ void FilterLoop::publish(const FilterStep& step, const OdometryStep& motion) {
   if (tells_path_ && step.updated) {
     path_.send(pipeline_.filter.outbox, stage_.filter(), record.stamp_ns);
   }
-  report_.position_sd_m = std::sqrt(estimate.covariance(0, 0) + estimate.covariance(1, 1));
-  report_.yaw_sd_rad = std::sqrt(estimate.covariance(2, 2));
-  report_.effective_particles = record.effective_particles;
-  report_.particles = record.particles;
+  enter(step, estimate, stage_, report_);
 }
 
-void FilterLoop::report(const FilterStep& step) {
-  if (step.updated) {
-    report_.log_likelihood_per_beam = step.report.log_likelihood_per_beam;
-    report_.refused_tiles += step.report.refused_tiles;
-    report_.outside_tiles += step.report.outside_tiles;
-    report_.updates_cut += step.report.unweighed_particles + step.report.unmapped_particles > 0 ? 1 : 0;
-  }
-  report_.pool_used = stage_.filter().pool_used();
-  report_.paused = stage_.paused();
-  report_.doubtful = step.tracking == Tracking::kDoubtful;
-  report_.lost = step.tracking == Tracking::kLost;
+void FilterLoop::report() {
   meter_.read(report_.stage);
   pipeline_.filter.report.write(report_);
 }

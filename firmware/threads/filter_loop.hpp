@@ -31,11 +31,11 @@ class FilterLoop {
  private:
   void process(const MotionMessage& message);
   void obey(const FilterCommand& command);
-  void publish(const FilterStep& step, const OdometryStep& motion);
+  void publish(const FilterStep& step, const Motion& motion);
   /// CPU time until an update after this match is cut short.
   [[nodiscard]] std::int64_t update_time_ns(const MotionMessage& message) const;
   void adapt(std::int64_t used_ns, std::int64_t time_ns);
-  void report(const FilterStep& step);
+  void report();
 
   Pipeline& pipeline_;
   FilterStage& stage_;

@@ -2,10 +2,16 @@
 
 #include <limits>
 
+#include "firmware/stages/stage_reports.hpp"
+
 namespace odoless {
 
 Intake::Intake(Pipeline& pipeline, const Clock& clock, bool live, bool publish_scans)
-    : pipeline_(pipeline), clock_(clock), publish_scans_(publish_scans), stage_(live), free_(pipeline.pool.size()) {
+    : pipeline_(pipeline),
+      clock_(clock),
+      publish_scans_(publish_scans),
+      stage_(live, pipeline.pool.beams_max()),
+      free_(pipeline.pool.size()) {
   ranges_m_.reserve(static_cast<std::size_t>(pipeline.pool.beams_max()));
 }
 
@@ -85,16 +91,12 @@ void Intake::on_event(EventPriority priority, EventText text, std::int64_t numbe
 void Intake::report(const ScanSource& source, const TiltReport& tilt, const StageReport& stage) {
   SensorReport report;
   report.stage = stage;
-  report.source = stage_.counts();
+  enter(stage_, report);
   source.add_counts(report.source);
   report.source.dropped = static_cast<std::int64_t>(pipeline_.scans.evicted()) + without_slot_;
-  report.last_scan_ns = stage_.last_scan_ns();
-  report.period_ns = stage_.period_ns();
   report.open = source.is_open();
   report.tilt = tilt;
   report.tilt.held_back = not_level_;
-  report.blind = stage_.is_blind();
-  report.stuck = stage_.is_stuck();
   pipeline_.sensor.report.write(report);
 }
 

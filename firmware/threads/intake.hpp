@@ -26,7 +26,7 @@ class Intake : public ScanSink {
   void on_raw(RawLine line, std::span<const std::byte> bytes, bool to_device) final;
   void on_tilt(const TiltRecord& tilt) final;
   void on_event(EventPriority priority, EventText text, std::int64_t number) final;
-  void on_motion(const MotionRecord& /*motion*/) override {}
+  void on_motion(const Motion& /*motion*/) override {}
 
   /// To be called before the thread starts, if at all: scans that the servo's laser took while it was not level go to
   /// the publisher, and not to 2D SLAM.

@@ -1,24 +1,8 @@
 #include "firmware/threads/matcher_loop.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include "firmware/records/convert.hpp"
+#include "firmware/stages/stage_reports.hpp"
 
 namespace odoless {
-
-OdometryStep compose(const OdometryStep& first, const OdometryStep& second) {
-  OdometryStep sum = second;
-  sum.from_stamp_ns = first.from_stamp_ns;
-  const double c = std::cos(first.previous_T_current.yaw_rad);
-  const double s = std::sin(first.previous_T_current.yaw_rad);
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() << c, -s, s, c;
-  sum.previous_T_current = first.previous_T_current * second.previous_T_current;
-  sum.covariance = first.covariance + turn * second.covariance * turn.transpose();
-  sum.error = first.error.then(second.error);
-  return sum;
-}
 
 MatcherLoop::MatcherLoop(Pipeline& pipeline, MatcherStage& stage, std::int64_t budget_ns, bool to_filter)
     : pipeline_(pipeline), stage_(stage), budget_ns_(budget_ns), to_filter_(to_filter), timer_(budget_ns) {}
@@ -46,26 +30,26 @@ void MatcherLoop::run() {
 void MatcherLoop::process(ScanSlot slot) {
   timer_.begin();
   ScanFrame& scan = pipeline_.pool.at(slot);
-  OdometryStep step;
+  Motion motion;
   if (pipeline_.lossless) {
-    step = stage_.process(scan);
+    motion = stage_.process(scan);
   } else {
     const CpuDeadline deadline(static_cast<std::int64_t>(kDeadline * static_cast<double>(budget_ns_)));
-    step = stage_.process(scan, deadline.view());
+    motion = stage_.process(scan, deadline.view());
   }
-  publish(step);
+  publish(motion);
   if (to_filter_) {
-    hand_on({slot, step, timer_.used_ns()});
+    hand_on({slot, motion, timer_.used_ns()});
   } else {
     give_back(slot);
   }
   timer_.end(report_.stage);
-  report(step);
+  report(motion);
   pipeline_.matcher.heartbeat.fetch_add(1, std::memory_order_relaxed);
 }
 
-void MatcherLoop::publish(const OdometryStep& step) {
-  send(pipeline_, pipeline_.matcher.outbox, RecordType::kMotion, to_record(step));
+void MatcherLoop::publish(const Motion& motion) {
+  send(pipeline_, pipeline_.matcher.outbox, RecordType::kMotion, motion);
 }
 
 void MatcherLoop::give_back(ScanSlot slot) {
@@ -90,7 +74,7 @@ void MatcherLoop::hand_on(MotionMessage message) {
   }
   if (pending_.slot != kNoSlot) {
     give_back(pending_.slot);
-    message.step = compose(pending_.step, message.step);
+    message.motion = pending_.motion.then(message.motion);
     pending_.slot = kNoSlot;
   }
   if (!push(message)) {
@@ -104,14 +88,8 @@ void MatcherLoop::flush() {
   }
 }
 
-void MatcherLoop::report(const OdometryStep& step) {
-  report_.fitness = step.match.fitness;
-  report_.second_peak_ratio = second_peak_ratio(step.match);
-  report_.strong_information_1_m2 = step.match.strong_information_1_m2;
-  report_.weak_information_1_m2 = step.match.weak_information_1_m2;
-  report_.evaluations = step.match.evaluations;
-  report_.poor_in_a_row = step.match.converged || report_.stage.scans <= 1 ? 0 : report_.poor_in_a_row + 1;
-  report_.deadline_hit = step.match.stop == StopReason::kDeadline;
+void MatcherLoop::report(const Motion& motion) {
+  enter(motion, report_);
   meter_.read(report_.stage);
   pipeline_.matcher.report.write(report_);
 }

@@ -23,12 +23,12 @@ class MatcherLoop {
 
  private:
   void process(ScanSlot slot);
-  void publish(const OdometryStep& step);
+  void publish(const Motion& motion);
   void hand_on(MotionMessage message);
   void give_back(ScanSlot slot);
   [[nodiscard]] bool push(const MotionMessage& message);
   void flush();
-  void report(const OdometryStep& step);
+  void report(const Motion& motion);
 
   Pipeline& pipeline_;
   MatcherStage& stage_;
@@ -39,8 +39,5 @@ class MatcherLoop {
   StageTimer timer_;
   ThreadMeter meter_;
 };
-
-/// Both steps as one: the first one's start, the second one's end and match.
-[[nodiscard]] OdometryStep compose(const OdometryStep& first, const OdometryStep& second);
 
 }  // namespace odoless

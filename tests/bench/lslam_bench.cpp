@@ -49,11 +49,11 @@ void BM_LslamUpdate(benchmark::State& state) {
   for (auto _ : state) {
     state.PauseTiming();
     robot = robot * step;
-    const MotionIncrement increment{stamp_ns, stamp_ns + 100'000'000, step};
-    stamp_ns = increment.to_stamp_ns;
+    const Motion motion = Motion::between(stamp_ns, stamp_ns + 100'000'000, step);
+    stamp_ns = motion.to_stamp_ns;
     sweep();
     state.ResumeTiming();
-    benchmark::DoNotOptimize(lslam.update(increment, scan));
+    benchmark::DoNotOptimize(lslam.update(motion, scan));
   }
   state.counters["tiles"] = lslam.tiles_used();
 }

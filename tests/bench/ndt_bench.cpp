@@ -129,7 +129,7 @@ BENCHMARK(BM_LocalMapRebuild)->Unit(benchmark::kMillisecond);
 // To and fro between the two scans: each step matches, and most make a key scan.
 void BM_LaserOdometry(benchmark::State& state) {
   const BenchPair& pair = bench_pair();
-  LaserOdometry odometry({}, {}, {});
+  LaserOdometry odometry({}, {}, {}, {});
   Rng rng(1);
   bool forth = false;
   for (auto _ : state) {

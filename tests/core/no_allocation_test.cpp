@@ -63,6 +63,19 @@ TEST_F(NoAllocation, GuardNoticesEveryKindOfHeapCall) {
   expect_new_calls("vector");
 }
 
+TEST_F(NoAllocation, MotionsCompose) {
+  Motion sum;
+  Motion motion = Motion::between(0, 1, {0.5, 0.0, 0.1});
+  motion.alternatives[0] = {{0.2, 0.0, 0.1}, -1.0, {}};
+  motion.alternative_count = 1;
+  const AllocationGuard guard;
+  for (int i = 0; i < 20; ++i) {
+    sum = sum.then(motion);
+  }
+  EXPECT_EQ(guard.calls(), 0);
+  EXPECT_EQ(sum.alternative_count, static_cast<int>(Motion::kAlternativesMax));
+}
+
 TEST_F(NoAllocation, GuardCountsItsOwnThreadAlone) {
   std::atomic<int> stage = 0;
   std::thread other([&stage] {
@@ -115,7 +128,7 @@ TEST_F(NoAllocation, RebuildAndMatchAllocateNothingEvenWhenTheyTryAgain) {
 }
 
 TEST_F(NoAllocation, LaserOdometryAllocatesNothingAlsoForKeyScansAndBlindOnes) {
-  LaserOdometry odometry({.key_scans = 5}, {}, {});
+  LaserOdometry odometry({.key_scans = 5}, {}, {}, {});
   Rng rng(1);
   long calls = 0;
   for (int i = 0; i < 30; ++i) {
@@ -123,7 +136,7 @@ TEST_F(NoAllocation, LaserOdometryAllocatesNothingAlsoForKeyScansAndBlindOnes) {
     const ScanFrame scan =
         sweep(i % 10 == 7 ? SimulatedScene{} : cluttered_room(), {}, map_T_scan, rng, std::int64_t{i} * 100'000'000);
     const AllocationGuard guard;
-    const bool matched = odometry.process(scan, {}, rng).matched;
+    const bool matched = odometry.process(scan, {}, rng).matched();
     calls += guard.calls();
     EXPECT_EQ(matched, i > 0 && i % 10 != 7) << i;
   }
@@ -144,7 +157,7 @@ TEST_F(NoAllocation, LslamUpdateAllocatesNothingEvenWithFullPools) {
     for (int i = 0; i < 50; ++i) {
       room.step();
       const AllocationGuard guard;
-      refused += lslam.update(room.increment(), room.scan()).refused_tiles;
+      refused += lslam.update(room.motion(), room.scan()).refused_tiles;
       static_cast<void>(lslam.estimate());
       calls += guard.calls();
     }
@@ -170,7 +183,7 @@ TEST_F(NoAllocation, SlamWithBothLevelsAllocatesNothing) {
     for (int i = 0; i < 60; ++i) {
       room.step();
       const AllocationGuard guard;
-      static_cast<void>(slam.update(room.increment(), room.scan()));
+      static_cast<void>(slam.update(room.motion(), room.scan()));
       slam.work();
       static_cast<void>(slam.estimate());
       static_cast<void>(slam.map_T_scan());

@@ -24,6 +24,11 @@ WORLD = os.path.join(SOURCES, "tools", "worlds", "rooms.world")
 GROUP = "239.255.76.67"
 LASER = ("--lrf", "utm-30lx")
 RATE = 2  # recorded seconds per second
+GAP_S = (16.0, 19.0)  # no scans
+CARRIED_S = (26.0, 32.0)  # cut out: at its begin the robot is at once where it was at its end
+END_S = 45.0
+MOTION = struct.Struct(">q qqqd 3d3d9d 25d25d25d 3d2d iii")  # odoless.motion_t up to its flags
+JOLTED = 16
 SO_RCVBUFFORCE = 33  # of Linux; Python does not name it
 
 
@@ -39,6 +44,31 @@ def poses(path):
     with open(path, encoding="utf-8") as file:
         rows = [line.split() for line in file if not line.startswith("#")]
     return {row[0]: (float(row[1]), float(row[2])) for row in rows}
+
+
+def interrupt(log, interrupted):
+    """Writes the log with a gap of scans, and with the robot carried from one scan to the next."""
+    with open(log, encoding="utf-8") as lines, open(interrupted, "w", encoding="utf-8") as out:
+        for line in lines:
+            fields = line.split(" ")
+            stamp_s = float(fields[-1])
+            if stamp_s > END_S or any(begin <= stamp_s < end for begin, end in (GAP_S, CARRIED_S)):
+                continue
+            if stamp_s >= CARRIED_S[1]:
+                fields[-3] = fields[-1] = f"{stamp_s - CARRIED_S[1] + CARRIED_S[0]:.6f}"
+            out.write(" ".join(fields).rstrip() + "\n")
+
+
+def recorded(path, channel):
+    """The messages of a channel in a log as lcm-logger writes it."""
+    header = struct.Struct(">IQQII")
+    with open(path, "rb") as file:
+        while head := file.read(header.size):
+            _, _, _, channel_size, size = header.unpack(head)
+            name = file.read(channel_size).decode()
+            message = file.read(size)
+            if name == channel:
+                yield message
 
 
 class Relay(threading.Thread):
@@ -82,6 +112,8 @@ class SplitTest(unittest.TestCase):
         cls.folder = folder.name
         cls.log = cls.path("rooms.log")
         subprocess.run(program("odoless", "sim", WORLD, *LASER, "--out", cls.log), check=True, stdout=subprocess.DEVNULL)
+        cls.interrupted = cls.path("interrupted.log")
+        interrupt(cls.log, cls.interrupted)
         cls.port = 20000 + os.getpid() % 20000
 
     @classmethod
@@ -148,14 +180,18 @@ class SplitTest(unittest.TestCase):
         with open(self.path(name + "/summary.json"), encoding="utf-8") as file:
             return json.load(file)
 
+    def run_whole(self, name, log):
+        """A log at its pace through one process."""
+        config = self.config(name, lcm={"url": ""}, recorder={"path": self.path(name + "_recorded")})
+        self.finish(name, self.daemon(name, config, "--replay", log, "--rate", RATE))
+
     def whole(self):
-        """The log at its pace through one process; once for all tests."""
+        """Once for all tests."""
         if not os.path.exists(self.path("whole")):
-            config = self.config("whole", lcm={"url": ""}, recorder={"path": self.path("recorded")})
-            self.finish("whole", self.daemon("whole", config, "--replay", self.log, "--rate", RATE))
+            self.run_whole("whole", self.log)
         return poses(self.path("whole/trajectory_online.tum"))
 
-    def split(self, name, dropped_share):
+    def split(self, name, log, dropped_share):
         """The same through two processes, with a relay between them if some are to be dropped."""
         from_port = to_port = self.port
         SplitTest.port += 2  # relays go on until the end
@@ -166,25 +202,31 @@ class SplitTest(unittest.TestCase):
             relay.start()
         after = self.daemon(name, self.config(name, lcm={"url": url(to_port)}), "--stages", "filter")
         before = self.daemon(name + "_front", self.config(name + "_front", lcm={"url": url(from_port)}),
-                             "--stages", "sensor,matcher", "--replay", self.log, "--rate", RATE)
+                             "--stages", "sensor,matcher", "--replay", log, "--rate", RATE)
         self.finish(name + "_front", before)
         self.wait_until(name, lambda: self.says(name, "no scans"))
         self.wait_until_idle(name, after)
         self.finish(name, after, signal.SIGTERM)
         return relay
 
-    def test_two_halves_are_the_whole_when_nothing_is_lost(self):
-        whole = self.whole()
-        self.split("lossless", 0.0)
+    def test_two_halves_are_the_whole_through_a_gap_and_a_jolt_when_nothing_is_lost(self):
+        self.run_whole("undivided", self.interrupted)
+        motions = [MOTION.unpack(message[:MOTION.size])
+                   for message in recorded(self.path("undivided_recorded.00000.lcm"), "ODOLESS_MOTION")]
+        self.assertEqual(sum(duration_ns > 1e9 for _, _, _, duration_ns, *_ in motions), 1, "the log has a gap")
+        self.assertGreater(sum(motion[-1] & JOLTED != 0 for motion in motions), 0, "and a jolt")
+        self.split("lossless", self.interrupted, 0.0)
         self.assertEqual(self.summary("lossless")["datagrams_lost"], 0)
+        for name in ("undivided", "lossless"):
+            self.assertTrue(self.says(name, "LOST"), name)
         for name in ("trajectory.tum", "trajectory_online.tum", "map.pgm"):
-            with open(self.path("whole/" + name), "rb") as one, open(self.path("lossless/" + name), "rb") as two:
+            with open(self.path("undivided/" + name), "rb") as one, open(self.path("lossless/" + name), "rb") as two:
                 self.assertEqual(one.read(), two.read(), name)
-        self.assertGreater(len(whole), 300)
+        self.assertGreater(len(poses(self.path("undivided/trajectory_online.tum"))), 300)
 
     def test_lost_datagrams_cost_little(self):
         whole = self.whole()
-        relay = self.split("lossy", 0.05)
+        relay = self.split("lossy", self.log, 0.05)
         self.assertGreater(relay.dropped, 20)
         self.assertGreater(self.summary("lossy")["datagrams_lost"], 10)
         lossy = poses(self.path("lossy/trajectory_online.tum"))
@@ -207,7 +249,7 @@ class SplitTest(unittest.TestCase):
         config = self.config("played", lcm={"url": url(self.port)}, lrf={"driver": "lcm", "channel": "ODOLESS_SCAN"})
         played = self.daemon("played", config)
         subprocess.run([player, "--lcm-url=" + url(self.port) + "?ttl=0", "--regexp=ODOLESS_SCAN",
-                        self.path("recorded.00000.lcm")], check=True, timeout=120, stdout=subprocess.DEVNULL)
+                        self.path("whole_recorded.00000.lcm")], check=True, timeout=120, stdout=subprocess.DEVNULL)
         self.wait_until("played", lambda: self.says("played", "no scans"))
         self.wait_until_idle("played", played)
         self.finish("played", played, signal.SIGTERM)

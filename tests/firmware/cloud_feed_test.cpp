@@ -71,9 +71,9 @@ class Robot {
     if (updates_ns_.empty() || stamp_ns - updates_ns_.back() >= 400'000'000) {
       updates_ns_.push_back(stamp_ns);
     }
-    MotionRecord motion;
+    Motion motion;
     motion.to_stamp_ns = stamp_ns;
-    motion.odom_T_scan = odom_T_scan(stamp_ns);
+    motion.odom_T_current = odom_T_scan(stamp_ns);
     feed_.add(motion);
     PoseRecord pose;
     pose.stamp_ns = stamp_ns;
@@ -260,13 +260,13 @@ TEST(CloudFeed, AllocatesNothingAfterConstruction) {
   for (std::int64_t stamp_ns = 0; stamp_ns < 200 * kPeriod_ns; stamp_ns += kPeriod_ns) {
     feed.add(TiltRecord{.stamp_ns = stamp_ns, .angle_rad = tilt_rad(stamp_ns)});
     feed.add(ScanRecord{.stamp_ns = stamp_ns, .angle_step_rad = 0.01, .beams = kBeams}, ranges_m);
-    MotionRecord motion;
+    Motion motion;
     motion.to_stamp_ns = stamp_ns;
-    motion.odom_T_scan = odom_T_scan(stamp_ns);
+    motion.odom_T_current = odom_T_scan(stamp_ns);
     feed.add(motion);
     PoseRecord pose;
     pose.stamp_ns = stamp_ns;
-    pose.map_T_scan = motion.odom_T_scan;
+    pose.map_T_scan = motion.odom_T_current;
     feed.add(pose);
     feed.work();
     static_cast<void>(feed.next_piece(kCloudPointsMax));

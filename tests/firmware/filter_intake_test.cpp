@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/geometry/pose2_covariance.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace odoless {
@@ -15,14 +16,13 @@ constexpr std::int64_t kPeriod_ns = 100'000'000;
 /// The robot goes round in a circle; motion k leads from scan k - 1 to scan k.
 Pose2 odom_T_scan(int index) { return {0.1 * index, 0.02 * index * index, 0.05 * index}; }
 
-MotionRecord motion(int index) {
-  MotionRecord record;
-  record.from_stamp_ns = (index - 1) * kPeriod_ns;
-  record.to_stamp_ns = index * kPeriod_ns;
-  record.odom_T_scan = odom_T_scan(index);
-  record.previous_T_current = odom_T_scan(index - 1).inverse() * odom_T_scan(index);
-  record.covariance = {1e-4, 0, 0, 0, 1e-4, 0, 0, 0, 1e-5};
-  return record;
+Motion motion(int index) {
+  Motion motion = Motion::between((index - 1) * kPeriod_ns, index * kPeriod_ns,
+                                  odom_T_scan(index - 1).inverse() * odom_T_scan(index));
+  motion.odom_T_current = odom_T_scan(index);
+  motion.set_error(
+      ErrorProcess::independent(motion.previous_T_current, Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal()));
+  return motion;
 }
 
 /// The intake, fed as a socket would, and what comes out for the filter.
@@ -37,10 +37,10 @@ class FilterIntakeTest : public ::testing::Test {
   void drain() {
     for (MotionMessage message; pipeline_.motions.try_pop(message);) {
       has_scan_.push_back(message.slot != kNoSlot);
-      sum_ = sum_ * message.step.previous_T_current;
-      to_stamp_ns_ = message.step.to_stamp_ns;
+      sum_ = sum_ * message.motion.previous_T_current;
+      to_stamp_ns_ = message.motion.to_stamp_ns;
       if (message.slot != kNoSlot) {
-        EXPECT_EQ(pipeline_.pool.at(message.slot).stamp_ns(), message.step.to_stamp_ns);
+        EXPECT_EQ(pipeline_.pool.at(message.slot).stamp_ns(), message.motion.to_stamp_ns);
         ASSERT_TRUE(pipeline_.slots_from_filter.try_push(message.slot));
       }
     }
@@ -154,7 +154,14 @@ TEST_F(FilterIntakeTest, WhatIsMadeUpForIsAsUncertainAsItIsLong) {
   MotionMessage message;
   ASSERT_TRUE(pipeline_.motions.try_pop(message));
   ASSERT_TRUE(pipeline_.motions.try_pop(message));
-  EXPECT_NEAR(message.step.covariance(0, 0), 3e-4, 1e-12);
+  // Two periods are missing, from scan 1 to 3; their yaw turns the way from 3 to 4.
+  const Pose2 missing = odom_T_scan(1).inverse() * odom_T_scan(3);
+  const Eigen::Matrix3d covariance = Eigen::Vector3d(2e-4, 2e-4, 2e-5).asDiagonal();
+  const Eigen::Matrix3d expected = composed_covariance(missing, turned(covariance, missing.yaw_rad),
+                                                       motion(4).previous_T_current, motion(4).covariance());
+  EXPECT_LT((message.motion.covariance() - expected).norm(), 1e-12);
+  EXPECT_GE(message.motion.covariance()(0, 0), 3e-4);
+  EXPECT_EQ(message.motion.duration_ns, 3 * kPeriod_ns);
 }
 
 TEST_F(FilterIntakeTest, TwiceOrTooLateCountsOnce) {

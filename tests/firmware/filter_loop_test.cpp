@@ -35,12 +35,8 @@ class FilterLoopRun {
     for (int i = 0; i < scans; ++i) {
       room_.step();
       pipeline_.pool.at(0) = room_.scan();
-      MotionMessage message{.slot = 0, .step = {}, .matcher_cpu_ns = matcher_cpu_ns};
-      message.step.from_stamp_ns = room_.increment().from_stamp_ns;
-      message.step.to_stamp_ns = room_.increment().to_stamp_ns;
-      message.step.previous_T_current = room_.increment().previous_T_current;
-      message.step.odom_T_scan = room_.map_T_scan();
-      message.step.matched = true;
+      MotionMessage message{.slot = 0, .motion = room_.motion(), .matcher_cpu_ns = matcher_cpu_ns};
+      message.motion.odom_T_current = room_.map_T_scan();
       EXPECT_TRUE(pipeline_.motions.try_push(message));
       loop_.run(before_);
       ScanSlot slot = kNoSlot;

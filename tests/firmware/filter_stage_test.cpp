@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 #include "tests/support/simulated_room.hpp"
 
 namespace odoless {
@@ -13,10 +16,10 @@ RobotParams small_robot() {
   return params;
 }
 
-OdometryStep first_step(const Pose2& odom_T_scan) {
-  OdometryStep step;
-  step.odom_T_scan = step.previous_T_current = odom_T_scan;
-  return step;
+Motion first_motion(const Pose2& odom_T_scan) {
+  Motion motion = Motion::between(0, 0, odom_T_scan);
+  motion.odom_T_current = odom_T_scan;
+  return motion;
 }
 
 TEST(FilterStage, BeginsWhereTheOdometryIsWhenItsFirstScansWereLost) {
@@ -24,7 +27,7 @@ TEST(FilterStage, BeginsWhereTheOdometryIsWhenItsFirstScansWereLost) {
   SimulatedRoom room(4);
   room.step();
   const Pose2 odom_T_scan{0.3, -0.2, 0.1};
-  const FilterStep step = stage.process(room.scan(), first_step(odom_T_scan));
+  const FilterStep step = stage.process(room.scan(), first_motion(odom_T_scan));
   EXPECT_LT(step.map_T_scan.distance_m(odom_T_scan), 1e-9);
   EXPECT_NEAR(step.map_T_scan.yaw_rad, 0.1, 1e-9);
 }
@@ -33,7 +36,7 @@ TEST(FilterStage, BeginsInTheMiddleOfItsGridWhenTheOdometryIsFarAway) {
   FilterStage stage(small_robot(), 1);
   SimulatedRoom room(4);
   room.step();
-  EXPECT_LT(stage.process(room.scan(), first_step({500.0, 0.0, 0.0})).map_T_scan.distance_m({}), 1e-9);
+  EXPECT_LT(stage.process(room.scan(), first_motion({500.0, 0.0, 0.0})).map_T_scan.distance_m({}), 1e-9);
 }
 
 TEST(FilterStage, TakesTheFirstScanAfterAResetFromWhereItWasTold) {
@@ -42,8 +45,64 @@ TEST(FilterStage, TakesTheFirstScanAfterAResetFromWhereItWasTold) {
   room.step();
   const Pose2 start{2.0, 1.0, 0.5};
   stage.reset(start);
-  EXPECT_LT(stage.process(room.scan(), first_step({0.3, 0.0, 0.0})).map_T_scan.distance_m(start), 1e-9);
+  EXPECT_LT(stage.process(room.scan(), first_motion({0.3, 0.0, 0.0})).map_T_scan.distance_m(start), 1e-9);
 }
+
+/// Steps of a stage that gets the motions of lost scans one by one, or added up as a full queue does, of which some are
+/// `flags`.
+std::vector<FilterStep> steps_with_lost_scans(bool added_up, MotionFlag flag, bool value) {
+  RobotParams params = small_robot();
+  params.gate.distance_m = 0.0;
+  params.recovery.tracking.updates_min = 5;
+  FilterStage stage(params, 1);
+  SimulatedRoom room(4, 120);
+  std::vector<FilterStep> steps;
+  Motion waiting;
+  for (int i = 0; i < 120; ++i) {
+    room.step();
+    Motion motion = room.motion();
+    motion.odom_T_current = room.map_T_scan();
+    motion.weak_information_1_m2 = 100.0;
+    motion.set_error(
+        ErrorProcess::independent(motion.previous_T_current, Eigen::Vector3d(1e-5, 1e-5, 1e-6).asDiagonal()));
+    if (i == 91) {
+      motion.set(flag, value);
+    }
+    const bool is_lost = i % 5 == 1 || i % 5 == 2;
+    if (added_up) {
+      waiting = waiting.then(motion);
+    } else if (is_lost) {
+      static_cast<void>(stage.process(motion));
+    }
+    if (!is_lost) {
+      steps.push_back(stage.process(room.scan(), added_up ? waiting : motion));
+      waiting = Motion{};
+    }
+  }
+  return steps;
+}
+
+class FilterStageWithLostScans : public ::testing::TestWithParam<std::pair<MotionFlag, bool>> {};
+
+TEST_P(FilterStageWithLostScans, ComposedMotionsAreWhatTheirPartsAre) {
+  const auto [flag, value] = GetParam();
+  const std::vector<FilterStep> apart = steps_with_lost_scans(false, flag, value);
+  const std::vector<FilterStep> added_up = steps_with_lost_scans(true, flag, value);
+  bool doubted = false;
+  for (std::size_t i = 0; i < apart.size(); ++i) {
+    ASSERT_LT(apart[i].map_T_scan.distance_m(added_up[i].map_T_scan), 1e-9) << i;
+    ASSERT_NEAR(apart[i].map_T_scan.yaw_rad, added_up[i].map_T_scan.yaw_rad, 1e-9) << i;
+    ASSERT_EQ(apart[i].tracking, added_up[i].tracking) << i;
+    ASSERT_EQ(apart[i].updated, added_up[i].updated) << i;
+    ASSERT_NEAR(apart[i].fit, added_up[i].fit, 1e-6) << i;
+    doubted = doubted || apart[i].tracking != Tracking::kSure;
+  }
+  EXPECT_EQ(doubted, flag == kJolted) << "what befell a lost scan counts";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FilterStageWithLostScans,
+                         ::testing::Values(std::pair{kConverged, true}, std::pair{kJolted, true},
+                                           std::pair{kRejected, true}, std::pair{kMatched, false}));
 
 }  // namespace
 }  // namespace odoless

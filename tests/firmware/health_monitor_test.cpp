@@ -160,6 +160,13 @@ INSTANTIATE_TEST_SUITE_P(
                 [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.datagrams_lost; }}),
     [](const auto& about) { return std::string(about.param.name); });
 
+TEST(HealthText, SaysWhatTheStampsWereLike) {
+  EXPECT_EQ(times_text({}), "scan period not known");
+  EXPECT_EQ(times_text({.scans = 9, .period_s = 0.1}), "scan period 0.100 s estimated");
+  EXPECT_EQ(times_text({.scans = 13'631, .out_of_order = 631, .gaps = 2, .longest_gap_s = 3.03, .period_s = 0.197}),
+            "631 stamps out of order, 2 gaps of up to 3.0 s; scan period 0.197 s estimated");
+}
+
 TEST(HealthText, EveryReasonHasItsOwnWords) {
   std::string before;
   for (std::uint32_t reason = 1; reason <= kReasonBadTilt; reason <<= 1U) {

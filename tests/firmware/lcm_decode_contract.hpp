@@ -23,15 +23,28 @@ inline void check_scan(const RawScan& scan) {
   }
 }
 
-inline void check_motion(const MotionRecord& motion) {
-  ODOLESS_CHECK(motion.from_stamp_ns >= 0 && motion.from_stamp_ns <= motion.to_stamp_ns);
-  check_pose(motion.odom_T_scan);
-  check_pose(motion.previous_T_current);
-  for (const double entry : motion.covariance) {
+inline void check_covariance(const MatrixRows<3>& covariance) {
+  for (const double entry : covariance) {
     ODOLESS_CHECK(entry == 0.0 || std::isnormal(entry));
   }
-  ODOLESS_CHECK(motion.covariance[0] >= 0.0 && motion.covariance[4] >= 0.0 && motion.covariance[8] >= 0.0);
-  ODOLESS_CHECK(motion.fitness >= 0.0 && motion.second_peak_ratio >= 0.0 && motion.evaluations >= 0);
+  ODOLESS_CHECK(covariance[0] >= 0.0 && covariance[4] >= 0.0 && covariance[8] >= 0.0);
+}
+
+inline void check_motion(const Motion& motion) {
+  ODOLESS_CHECK(motion.from_stamp_ns >= 0 && motion.from_stamp_ns <= motion.to_stamp_ns);
+  check_pose(motion.odom_T_current);
+  check_pose(motion.previous_T_current);
+  ODOLESS_CHECK(motion.covariance().allFinite());
+  ODOLESS_CHECK(motion.duration_ns >= 0 && motion.duration_sd_s >= 0.0 && std::isfinite(motion.duration_sd_s));
+  ODOLESS_CHECK(motion.fitness >= 0.0 && motion.second_peak_ratio >= 0.0 && std::isfinite(motion.score));
+  ODOLESS_CHECK(motion.evaluations >= 0 && motion.steps > 0 && motion.alternative_count >= 0);
+  ODOLESS_CHECK(static_cast<std::size_t>(motion.alternative_count) <= Motion::kAlternativesMax);
+  for (const MotionHypothesis& other : motion.others()) {
+    check_pose(other.previous_T_current);
+    check_covariance(other.covariance);
+    ODOLESS_CHECK(std::isfinite(other.log_weight));
+  }
+  check_pose(motion.then(motion).previous_T_current);
 }
 
 /// Gives any bytes to both decoders and breaks off if one accepts what is not sane. The error, kOk if one accepts.
@@ -42,7 +55,7 @@ inline Errc decode_any(std::span<const std::byte> message) {
     check_scan(scan.value());
     return Errc::kOk;
   }
-  const Result<MotionRecord> motion = decode_motion(message);
+  const Result<Motion> motion = decode_motion(message);
   if (motion.ok()) {
     check_motion(motion.value());
     return Errc::kOk;

@@ -27,8 +27,8 @@ std::vector<std::byte> encoded(const Message& message) {
   return bytes;
 }
 
-pose_covariance_t message_of(const MotionRecord& motion) {
-  pose_covariance_t message;
+motion_t message_of(const Motion& motion) {
+  motion_t message;
   to_message(motion, message);
   return message;
 }
@@ -46,78 +46,148 @@ double arbitrary_real(double magnitude) {
 
 Pose2 arbitrary_pose() { return {arbitrary_real(1000.0), arbitrary_real(1000.0), arbitrary_real(M_PI)}; }
 
-MotionRecord arbitrary_motion() {
-  MotionRecord motion;
-  motion.from_stamp_ns = *rc::gen::inRange<std::int64_t>(0, 2'000'000'000'000'000) * 1000;
-  motion.to_stamp_ns = motion.from_stamp_ns + *rc::gen::inRange<std::int64_t>(0, 1'000'000) * 1000;
-  motion.previous_T_current = arbitrary_pose();
-  motion.odom_T_scan = arbitrary_pose();
-  for (std::size_t i = 0; i < 9; ++i) {
-    motion.covariance[i] = i % 4 == 0 ? std::abs(arbitrary_real(1.0)) : arbitrary_real(0.1);
+MatrixRows<3> arbitrary_covariance() {
+  MatrixRows<3> covariance{};
+  for (std::size_t i = 0; i < covariance.size(); ++i) {
+    covariance[i] = i % 4 == 0 ? std::abs(arbitrary_real(1.0)) : arbitrary_real(0.1);
   }
-  motion.information_1_m2 = {arbitrary_real(1e4), arbitrary_real(1.0)};
+  return covariance;
+}
+
+MatrixRows<5> arbitrary_matrix() {
+  MatrixRows<5> matrix{};
+  for (std::size_t i = 0; i < matrix.size(); ++i) {
+    matrix[i] = i % 6 == 0 ? std::abs(arbitrary_real(1.0)) : arbitrary_real(0.1);
+  }
+  return matrix;
+}
+
+Motion arbitrary_motion() {
+  const auto from_stamp_ns = *rc::gen::inRange<std::int64_t>(0, 2'000'000'000'000'000) * 1000;
+  const auto to_stamp_ns = from_stamp_ns + *rc::gen::inRange<std::int64_t>(0, 1'000'000) * 1000;
+  Motion motion = Motion::between(from_stamp_ns, to_stamp_ns, arbitrary_pose());
+  motion.duration_ns = *rc::gen::inRange<std::int64_t>(0, 1'000'000'000'000);
+  motion.duration_sd_s = std::abs(arbitrary_real(1.0));
+  motion.odom_T_current = arbitrary_pose();
+  motion.error_initial = arbitrary_matrix();
+  motion.error_transition = arbitrary_matrix();
+  motion.error_noise = arbitrary_matrix();
   motion.fitness = std::abs(arbitrary_real(1.0));
+  motion.score = arbitrary_real(1.0);
   motion.second_peak_ratio = std::abs(arbitrary_real(1.0));
+  motion.strong_information_1_m2 = arbitrary_real(1e4);
+  motion.weak_information_1_m2 = arbitrary_real(1.0);
+  motion.log_weight = arbitrary_real(10.0);
+  motion.alternative_count = *rc::gen::inRange(0, 5);
+  for (std::int32_t i = 0; i < motion.alternative_count; ++i) {
+    motion.alternatives[static_cast<std::size_t>(i)] = {arbitrary_pose(), arbitrary_real(10.0), arbitrary_covariance()};
+  }
   motion.evaluations = *rc::gen::inRange(0, 100'000);
-  motion.flags = *rc::gen::inRange(0, 16);
+  motion.steps = *rc::gen::inRange(1, 1000);
+  motion.flags = *rc::gen::inRange<std::uint32_t>(0, kMotionFlags + 1);
   return motion;
 }
 
-// Compared as bytes: -0 is not 0. The record has no padding.
+bool is_same(const Motion& a, const Motion& b) { return std::memcmp(&a, &b, sizeof(Motion)) == 0; }
+
+// Compared as bytes: -0 is not 0. A Motion has no padding.
 TEST(DecodeMotion, GivesEveryBitBack) {
   EXPECT_TRUE(rc::check([] {
-    const MotionRecord motion = arbitrary_motion();
-    const Result<MotionRecord> decoded = decode_motion(encoded(message_of(motion)));
+    const Motion motion = arbitrary_motion();
+    const Result<Motion> decoded = decode_motion(encoded(message_of(motion)));
     RC_ASSERT(decoded.ok());
-    RC_ASSERT(std::memcmp(&decoded.value(), &motion, sizeof(motion)) == 0);
+    RC_ASSERT(is_same(decoded.value(), motion));
   }));
 }
 
+// Whatever field a bit is of, and whatever fields there will be: what is changed arrives changed, or is refused.
+TEST(DecodeMotion, GivesEveryBitOfEveryFieldBack) {
+  constexpr std::size_t kStampsBytes = 2 * sizeof(std::int64_t);  // of whole microseconds: see above
+  const Motion motion = test::example_motion();
+  ASSERT_EQ(motion.alternative_count, static_cast<int>(Motion::kAlternativesMax));
+  std::size_t accepted = 0;
+  for (std::size_t byte = kStampsBytes; byte < sizeof(Motion); ++byte) {
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      std::array<unsigned char, sizeof(Motion)> bytes;
+      std::memcpy(bytes.data(), &motion, sizeof(Motion));
+      bytes[byte] = static_cast<unsigned char>(bytes[byte] ^ (1U << bit));
+      Motion changed;
+      std::memcpy(&changed, bytes.data(), sizeof(Motion));
+      if (changed.alternative_count != motion.alternative_count) {
+        continue;  // those beyond the count are not sent
+      }
+      const Result<Motion> decoded = decode_motion(encoded(message_of(changed)));
+      if (decoded.ok()) {
+        ASSERT_TRUE(is_same(decoded.value(), changed)) << "byte " << byte << ", bit " << bit;
+        ++accepted;
+      }
+    }
+  }
+  EXPECT_GT(accepted, 6 * sizeof(Motion)) << "most bits are no worse the other way round";
+}
+
 TEST(DecodeMotion, RefusesThePoseInTheMap) {
-  pose_covariance_t message;
+  pose_estimate_t message;
   to_message(test::example_pose(), message);
   EXPECT_EQ(decode_motion(encoded(message)).error(), Errc::kUnknownType);
 }
 
 TEST(DecodeMotion, RefusesEveryNumberThatIsNone) {
-  const pose_covariance_t good = message_of(test::example_motion());
+  const motion_t good = message_of(test::example_motion());
   ASSERT_TRUE(decode_motion(encoded(good)).ok());
   const auto refuses = [&good](auto change) {
     for (const double bad : {kNan, kInfinity, -kInfinity, kDenormal, -kDenormal}) {
-      pose_covariance_t message = good;
+      motion_t message = good;
       change(message, bad);
       EXPECT_EQ(decode_motion(encoded(message)).error(), Errc::kBadNumber) << bad;
     }
   };
   for (std::size_t i = 0; i < 3; ++i) {
-    refuses([i](pose_covariance_t& message, double bad) { message.pose[i] = bad; });
-    refuses([i](pose_covariance_t& message, double bad) { message.step[i] = bad; });
+    refuses([i](motion_t& message, double bad) { message.pose[i] = bad; });
+    refuses([i](motion_t& message, double bad) { message.step[i] = bad; });
+    refuses([i](motion_t& message, double bad) { message.alternatives[i].step[i] = bad; });
   }
   for (std::size_t i = 0; i < 9; ++i) {
-    refuses([i](pose_covariance_t& message, double bad) { message.covariance[i] = bad; });
+    refuses([i](motion_t& message, double bad) { message.alternatives[3].covariance[i] = bad; });
   }
   for (std::size_t i = 0; i < 2; ++i) {
-    refuses([i](pose_covariance_t& message, double bad) { message.information[i] = bad; });
+    refuses([i](motion_t& message, double bad) { message.information[i] = bad; });
   }
-  refuses([](pose_covariance_t& message, double bad) { message.fitness = bad; });
-  refuses([](pose_covariance_t& message, double bad) { message.second_peak_ratio = bad; });
+  refuses([](motion_t& message, double bad) { message.duration_sd = bad; });
+  refuses([](motion_t& message, double bad) { message.fitness = bad; });
+  refuses([](motion_t& message, double bad) { message.score = bad; });
+  refuses([](motion_t& message, double bad) { message.second_peak_ratio = bad; });
+  refuses([](motion_t& message, double bad) { message.log_weight = bad; });
+  refuses([](motion_t& message, double bad) { message.alternatives[2].log_weight = bad; });
 }
 
 TEST(DecodeMotion, RefusesWhatNoRobotDoes) {
   const auto error_of = [](auto change) {
-    pose_covariance_t message = message_of(test::example_motion());
+    motion_t message = message_of(test::example_motion());
     change(message);
     return decode_motion(encoded(message)).error();
   };
   EXPECT_EQ(error_of([](auto& m) { m.utime = -1; }), Errc::kBadNumber);
   EXPECT_EQ(error_of([](auto& m) { m.utime = INT64_MAX; }), Errc::kBadNumber);
   EXPECT_EQ(error_of([](auto& m) { m.reference_utime = m.utime + 1; }), Errc::kBadNumber);
-  EXPECT_EQ(error_of([](auto& m) { m.covariance[4] = -1e-9; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.duration_ns = -1; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.duration_ns = INT64_MAX; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.duration_sd = -1e-9; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.alternatives[1].covariance[4] = -1e-9; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.error_initial[6] = -1e-9; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.error_noise[12] = -1e-9; }), Errc::kBadNumber);
   EXPECT_EQ(error_of([](auto& m) { m.evaluations = -1; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.steps = 0; }), Errc::kBadNumber) << "a motion of nothing would not compose";
+  EXPECT_EQ(error_of([](auto& m) { m.flags = 1 << 20; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.log_weight = 1e7; }), Errc::kBadNumber);
+  EXPECT_EQ(error_of([](auto& m) { m.alternatives.resize(m.alternative_count = 5); }), Errc::kTooLong);
   for (std::size_t i = 0; i < 25; ++i) {
+    for (const double bad : {kNan, kInfinity, -kInfinity, 1e13}) {
+      EXPECT_EQ(error_of([=](auto& m) { m.error_initial[i] = bad; }), Errc::kBadNumber) << i;
+    }
     for (const double bad : {kNan, kInfinity, -kInfinity, 1e7}) {
-      EXPECT_EQ(error_of([=](auto& m) { m.error_carried[i] = bad; }), Errc::kBadNumber) << i;
-      EXPECT_EQ(error_of([=](auto& m) { m.error_added[i] = bad; }), Errc::kBadNumber) << i;
+      EXPECT_EQ(error_of([=](auto& m) { m.error_transition[i] = bad; }), Errc::kBadNumber) << i;
+      EXPECT_EQ(error_of([=](auto& m) { m.error_noise[i] = bad; }), Errc::kBadNumber) << i;
     }
   }
   EXPECT_EQ(error_of([](auto& m) { m.fitness = -0.1; }), Errc::kBadNumber);

@@ -45,7 +45,7 @@ TEST_P(LcmLinkAgain, SendsEachScanAndMotionFiveTimesBeforeTheNextOfItsKind) {
       scan.stamp_ns = stamp_ns;
       EXPECT_EQ(link.publish(scan, ranges_m), Errc::kOk);
     } else {
-      MotionRecord motion = test::example_motion();
+      Motion motion = test::example_motion();
       motion.to_stamp_ns = stamp_ns;
       EXPECT_EQ(link.publish(motion), Errc::kOk);
     }

@@ -98,13 +98,13 @@ TEST_F(LcmLinkTap, SendsAPoseThreeTimes) {
   const auto pose = tap_.last<bot_core::pose_t>("ODOLESS_POSE");
   EXPECT_EQ(pose.pos[0], 12.0);
   EXPECT_DOUBLE_EQ(2.0 * std::atan2(pose.orientation[3], pose.orientation[0]), 1.9);
-  const auto doubt = tap_.last<pose_covariance_t>("ODOLESS_POSE_COVARIANCE");
-  EXPECT_EQ(doubt.frame, "map");
-  EXPECT_EQ(doubt.reference_utime, 1'700'000'000'000'000);
-  EXPECT_EQ(doubt.pose[2], 1.9);
-  EXPECT_EQ(doubt.covariance[4], 2e-4);
-  EXPECT_EQ(doubt.effective_particles, 77.5);
-  EXPECT_EQ(doubt.flags, pose_covariance_t::FILTER_UPDATED);
+  const auto estimate = tap_.last<pose_estimate_t>("ODOLESS_POSE_COVARIANCE");
+  EXPECT_EQ(estimate.update_utime, 1'700'000'000'000'000);
+  EXPECT_EQ(estimate.pose[2], 1.9);
+  EXPECT_EQ(estimate.covariance[4], 2e-4);
+  EXPECT_EQ(estimate.log_likelihood_per_beam, -1.25);
+  EXPECT_EQ(estimate.effective_particles, 77.5);
+  EXPECT_EQ(estimate.updated, 1);
   const auto map_T_odom = tap_.last<bot_core::rigid_transform_t>("ODOLESS_MAP_TO_ODOM");
   EXPECT_EQ(map_T_odom.trans[1], 0.25);
   EXPECT_DOUBLE_EQ(2.0 * std::atan2(map_T_odom.quat[3], map_T_odom.quat[0]), -0.1);
@@ -112,7 +112,7 @@ TEST_F(LcmLinkTap, SendsAPoseThreeTimes) {
 
 // The laser drives a quarter circle to the left: straight ahead in its own axes is along y of the map at the end.
 TEST_F(LcmLinkTap, SaysTheVelocityInTheAxesOfTheMap) {
-  MotionRecord motion = test::example_motion();
+  Motion motion = test::example_motion();
   motion.previous_T_current = {0.05, 0.0, 0.0};
   PoseRecord pose = test::example_pose();
   pose.map_T_scan.yaw_rad = M_PI / 2.0;

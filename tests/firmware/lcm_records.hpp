@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -57,27 +56,30 @@ inline std::vector<float> example_ranges_m(int beams) {
   return ranges_m;
 }
 
-inline std::array<double, 25> example_matrix(double first) {
-  std::array<double, 25> matrix{};
-  for (std::size_t i = 0; i < matrix.size(); ++i) {
-    matrix[i] = first * static_cast<double>(i + 1);
+/// With every field set.
+inline Motion example_motion() {
+  const std::int64_t to_stamp_ns = 1'700'000'000'123'456'000;
+  Motion motion = Motion::between(to_stamp_ns - 25'000'000, to_stamp_ns, {0.025, -0.001, 0.01});
+  motion.duration_sd_s = 0.001;
+  motion.odom_T_current = {12.5, -3.25, 2.0};
+  for (std::size_t i = 0; i < motion.error_noise.size(); ++i) {
+    motion.error_initial[i] = 1e-5 * static_cast<double>(i + 1);
+    motion.error_transition[i] = 0.125 * static_cast<double>(i + 1);
+    motion.error_noise[i] = 1e-7 * static_cast<double>(i + 1);
   }
-  return matrix;
-}
-
-inline MotionRecord example_motion() {
-  return {.from_stamp_ns = 1'700'000'000'098'456'000,
-          .to_stamp_ns = 1'700'000'000'123'456'000,
-          .previous_T_current = {0.025, -0.001, 0.01},
-          .odom_T_scan = {12.5, -3.25, 2.0},
-          .covariance = {1e-6, 1e-8, -1e-9, 1e-8, 2e-6, 0.0, -1e-9, 0.0, 3e-7},
-          .error_carried = example_matrix(0.125),
-          .error_added = example_matrix(1e-7),
-          .information_1_m2 = {120.0, -0.01},
-          .fitness = 0.8,
-          .second_peak_ratio = 0.4,
-          .evaluations = 4200,
-          .flags = kMatched | kConverged};
+  motion.fitness = 0.8;
+  motion.score = 0.7;
+  motion.second_peak_ratio = 0.4;
+  motion.strong_information_1_m2 = 120.0;
+  motion.weak_information_1_m2 = -0.01;
+  motion.log_weight = -0.25;
+  for (MotionHypothesis& other : motion.alternatives) {
+    const double number = ++motion.alternative_count;
+    other = {{0.5 * number, 0.01, -0.3}, -number, {1e-4, 1e-6, -1e-6, 1e-6, 2e-4, 1e-7, -1e-6, 1e-7, 3e-5}};
+  }
+  motion.evaluations = 4200;
+  motion.flags = kMotionFlags;
+  return motion;
 }
 
 inline PoseRecord example_pose() {

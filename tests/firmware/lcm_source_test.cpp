@@ -22,7 +22,7 @@ using Stamps = std::vector<std::int64_t>;
 class KeepingSink final : public ScanSink {
  public:
   void on_scan(const RawScan& scan) override { scans_us.push_back(scan.stamp_ns / 1000); }
-  void on_motion(const MotionRecord& motion) override { motions_us.push_back(motion.to_stamp_ns / 1000); }
+  void on_motion(const Motion& motion) override { motions_us.push_back(motion.to_stamp_ns / 1000); }
   void on_raw(RawLine /*line*/, std::span<const std::byte> /*bytes*/, bool /*to_device*/) override {}
   void on_tilt(const TiltRecord& /*tilt*/) override {}
   void on_event(EventPriority /*priority*/, EventText /*text*/, std::int64_t /*number*/) override {}
@@ -51,7 +51,7 @@ class LcmSourceTest : public ::testing::Test {
     send_last(channel);
   }
   void send_motion(const std::string& channel, std::int64_t to_stamp_us) {
-    MotionRecord motion = test::example_motion();
+    Motion motion = test::example_motion();
     motion.from_stamp_ns = std::max<std::int64_t>(to_stamp_us - 10, 0) * 1000;  // the first: as that of its end
     motion.to_stamp_ns = to_stamp_us * 1000;
     EXPECT_EQ(link_.publish(motion), Errc::kOk);

@@ -12,8 +12,10 @@
 #include <occ_map/pixel_map_t.hpp>
 #include <odoless/health_t.hpp>
 #include <odoless/map_tile_t.hpp>
-#include <odoless/pose_covariance_t.hpp>
+#include <odoless/motion_t.hpp>
+#include <odoless/pose_estimate_t.hpp>
 
+#include "core/motion/motion.hpp"
 #include "firmware/records/health.hpp"
 
 namespace odoless {
@@ -37,7 +39,8 @@ TEST(LcmTypes, AreThoseThatOtherRobotsSpeak) {
 
 // A change here breaks every log and every program that reads our messages: make another type instead.
 TEST(LcmTypes, OfOurOwnStayAsTheyAre) {
-  EXPECT_EQ(fingerprint<pose_covariance_t>(), 0xd64e33093d055ccaU);
+  EXPECT_EQ(fingerprint<motion_t>(), 0x2f1a1ea764ccd9dcU);
+  EXPECT_EQ(fingerprint<pose_estimate_t>(), 0xf340b4c06f2bb4a3U);
   EXPECT_EQ(fingerprint<map_tile_t>(), 0x666fae7f76fce32dU);
   EXPECT_EQ(fingerprint<health_t>(), 0xb439acb99d4aeab9U);
 }
@@ -56,6 +59,15 @@ TEST(LcmTypes, NameHealthAsTheRecordsDo) {
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_BAD_TILT), kReasonBadTilt);
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_TILT), kReasonTilt);
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_NOT_LEVEL), kReasonNotLevel);
+}
+
+TEST(LcmTypes, NameTheFlagsOfAMotionAsItDoes) {
+  EXPECT_EQ(motion_t::MATCHED, static_cast<int>(kMatched));
+  EXPECT_EQ(motion_t::CONVERGED, static_cast<int>(kConverged));
+  EXPECT_EQ(motion_t::ESCALATED, static_cast<int>(kEscalated));
+  EXPECT_EQ(motion_t::DEADLINE_HIT, static_cast<int>(kDeadlineHit));
+  EXPECT_EQ(motion_t::JOLTED, static_cast<int>(kJolted));
+  EXPECT_EQ(motion_t::REJECTED, static_cast<int>(kRejected));
 }
 
 }  // namespace

@@ -48,12 +48,9 @@ class Robot {
     const std::int64_t last_stamp_ns = stamp_ns_;
     stamp_ns_ = 1'700'000'000'000'000'000 + steps_ * static_cast<std::int64_t>(1e9 / kRateHz);
     bool ok = send_scan() && send_pose();
-    ok = link_.publish(MotionRecord{.from_stamp_ns = steps_ > 1 ? last_stamp_ns : stamp_ns_,
-                                    .to_stamp_ns = stamp_ns_,
-                                    .previous_T_current = before.inverse() * map_T_scan_,
-                                    .odom_T_scan = map_T_scan_,
-                                    .flags = kMatched}) == Errc::kOk &&
-         ok;
+    Motion motion = Motion::between(steps_ > 1 ? last_stamp_ns : stamp_ns_, stamp_ns_, before.inverse() * map_T_scan_);
+    motion.odom_T_current = map_T_scan_;
+    ok = link_.publish(motion) == Errc::kOk && ok;
     return send_tile() && send_overview() && send_health() && ok;
   }
 

@@ -37,18 +37,18 @@ PlainParticles::PlainParticles(const LslamParams& params, std::uint64_t seed)
   particles_.push_back(Particle{{}, 0.0, PlainMap(grid_), {}, {}});
 }
 
-void PlainParticles::update(const MotionIncrement& increment, const ScanFrame& scan) {
+void PlainParticles::update(const Motion& motion, const ScanFrame& scan) {
   std::vector<int> copies(particles_.size(), static_cast<int>(wanted_particles_));
   resampled_ = true;
   if (started_) {
-    const double lambda_m = speed_.lambda_m(increment);
+    const double lambda_m = speed_.lambda_m(motion);
     for (Particle& particle : particles_) {
       const Pose2 map_T_tracked = particle.map_T_scan * particle.error.pose().inverse();
-      particle.error.advance(increment.error, root_of(increment.error.noise), rng_);
-      particle.map_T_scan =
-          motion_.sample(map_T_tracked, increment.previous_T_current, lambda_m, rng_) * particle.error.pose();
+      particle.error.advance(motion.error(), root_of(motion.error().noise), rng_);
+      const Pose2& step = motion.alternative_count > 0 ? motion.at_share(rng_.uniform()) : motion.previous_T_current;
+      particle.map_T_scan = motion_.sample(map_T_tracked, step, lambda_m, rng_) * particle.error.pose();
     }
-    speed_.add(increment);
+    speed_.add(motion);
     std::vector<Beam> beams;
     select_beams(scan, params_.beams_used, params_.weigh_no_return, beams);
     std::vector<double> log_weights;

@@ -28,7 +28,7 @@ class PlainParticles {
   PlainParticles(const LslamParams& params, std::uint64_t seed);
 
   void set_particles(int wanted) { wanted_particles_ = static_cast<std::size_t>(wanted); }
-  void update(const MotionIncrement& increment, const ScanFrame& scan);
+  void update(const Motion& motion, const ScanFrame& scan);
 
   struct Particle {
     Pose2 map_T_scan;

@@ -40,12 +40,10 @@ SimulatedRoom::SimulatedRoom(std::uint64_t seed, int beams)
 
 void SimulatedRoom::step() {
   if (steps_++ > 0) {
-    const Pose2 motion{0.06, 0.0, 0.1 + 0.05 * std::sin(0.3 * steps_)};
-    map_T_scan_ = map_T_scan_ * motion;
-    increment_ = {
-        .from_stamp_ns = scan_.stamp_ns(),
-        .to_stamp_ns = scan_.stamp_ns() + kPeriod_ns,
-        .previous_T_current = motion * Pose2{0.005 * rng_.normal(), 0.005 * rng_.normal(), 0.004 * rng_.normal()}};
+    const Pose2 step{0.06, 0.0, 0.1 + 0.05 * std::sin(0.3 * steps_)};
+    map_T_scan_ = map_T_scan_ * step;
+    motion_ = Motion::between(scan_.stamp_ns(), scan_.stamp_ns() + kPeriod_ns,
+                              step * Pose2{0.005 * rng_.normal(), 0.005 * rng_.normal(), 0.004 * rng_.normal()});
   }
   sweep();
 }
@@ -66,7 +64,7 @@ void SimulatedRoom::sweep() {
   for (int i = 0; i < beams_; ++i) {
     ranges_m_[static_cast<std::size_t>(i)] = range_m(start_rad + i * step_rad);
   }
-  const Errc error = scan_.assign({.stamp_ns = increment_.to_stamp_ns,
+  const Errc error = scan_.assign({.stamp_ns = motion_.to_stamp_ns,
                                    .start_angle_rad = start_rad,
                                    .angle_step_rad = step_rad,
                                    .ranges_m = ranges_m_});

@@ -4,7 +4,7 @@
 
 #include "core/base/rng.hpp"
 #include "core/geometry/pose2.hpp"
-#include "core/motion/motion_increment.hpp"
+#include "core/motion/motion.hpp"
 #include "core/scan/scan_frame.hpp"
 
 namespace odoless {
@@ -20,7 +20,7 @@ class SimulatedRoom {
 
   [[nodiscard]] const ScanFrame& scan() const { return scan_; }
   /// What a matcher might have said of the last step: the truth with some error.
-  [[nodiscard]] const MotionIncrement& increment() const { return increment_; }
+  [[nodiscard]] const Motion& motion() const { return motion_; }
   /// Truth; the run starts at zero.
   [[nodiscard]] const Pose2& map_T_scan() const { return map_T_scan_; }
 
@@ -33,7 +33,7 @@ class SimulatedRoom {
   ScanFrame scan_;
   std::vector<float> ranges_m_;
   Pose2 map_T_scan_;
-  MotionIncrement increment_;
+  Motion motion_;
   int steps_ = 0;
 };
 

@@ -7,7 +7,9 @@
 #include "core/base/check.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tools/fault_campaign/judge.hpp"
 #include "tools/sim/ray_caster.hpp"
+#include "tools/sim/wanderer.hpp"
 
 namespace odoless::test {
 namespace {
@@ -15,9 +17,6 @@ namespace {
 constexpr int kBeams = 181;
 constexpr double kStep_rad = std::numbers::pi / (kBeams - 1);
 constexpr double kNoise_sd_m = 0.015;
-constexpr double kClearance_m = 0.4;
-constexpr double kWrong_m = 0.5;
-constexpr double kWrong_rad = 5.0 * std::numbers::pi / 180.0;
 
 /// Time that something holds, at a stretch.
 struct Stretch {
@@ -60,7 +59,7 @@ Kidnapping KidnappedRobot::carry_away(std::uint64_t seed, double watched_s) {
   heap_calls_ = 0;
   Stretch sure;
   Stretch claimed;
-  bool found = false;
+  bool misplaced = false;
   for (double time_s = 0.0; time_s < watched_s; time_s += kPeriod_s) {
     const FilterStep step = scan();
     const bool lost = step.tracking == Tracking::kLost;
@@ -68,11 +67,11 @@ Kidnapping KidnappedRobot::carry_away(std::uint64_t seed, double watched_s) {
     out.lost_after_s = lost ? std::min(out.lost_after_s, time_s) : out.lost_after_s;
     out.lost_scans += lost ? 1 : 0;
     out.slice_us_max = lost ? std::max(out.slice_us_max, slice_us_) : out.slice_us_max;
-    found = found || step.found;
+    misplaced = !lost && wrong && (step.found || misplaced);
     sure.add(wrong && step.tracking == Tracking::kSure);
-    claimed.add(wrong && !lost && found);
+    claimed.add(misplaced);
     out.found_after_s = lost || wrong ? std::numeric_limits<double>::infinity() : std::min(out.found_after_s, time_s);
-    wander();
+    world_T_robot_ = Wanderer(world_).next(world_T_robot_, kPeriod_s);
   }
   out.heap_calls = heap_calls_;
   out.wrong_sure_s = sure.longest_s;
@@ -92,10 +91,10 @@ FilterStep KidnappedRobot::scan() {
   const Errc error = frame_.assign(
       {.stamp_ns = stamp_ns, .start_angle_rad = kStart_rad, .angle_step_rad = kStep_rad, .ranges_m = ranges_m_});
   ODOLESS_CHECK(error == Errc::kOk);
-  const OdometryStep step = matcher_.process(frame_);
+  const Motion motion = matcher_.process(frame_);
   const AllocationGuard guard;
   const std::int64_t before_ns = thread_cpu_ns();
-  const FilterStep out = filter_.process(frame_, step);
+  const FilterStep out = filter_.process(frame_, motion);
   slice_us_ = static_cast<double>(thread_cpu_ns() - before_ns) * 1e-3;
   heap_calls_ += guard.calls();
   map_T_scan_ = out.map_T_scan;
@@ -117,8 +116,7 @@ bool KidnappedRobot::choose_place() {
     const int row = static_cast<int>(std::floor((p_map.y_m - map.origin_y_m) / map.resolution_m));
     const bool inside = column >= 0 && row >= 0 && column < map.width_cells && row < map.height_cells;
     const int percent = inside ? map.at(column, row) : OccupancyMap::kUnknown;
-    if (percent >= 0 && percent < 20 && is_indoors(place) &&
-        room_m(place, -std::numbers::pi, std::numbers::pi) > kClearance_m) {
+    if (percent >= 0 && percent < 20 && Wanderer(world_).can_stand(place)) {
       world_T_robot_ = place;
       return true;
     }
@@ -126,38 +124,8 @@ bool KidnappedRobot::choose_place() {
   return false;
 }
 
-void KidnappedRobot::wander() {
-  constexpr double kSpeed_mps = 0.5;
-  constexpr double kTurn_radps = 0.8;
-  const bool is_clear = room_m(world_T_robot_, -0.6, 0.6) > kClearance_m + kSpeed_mps * kPeriod_s;
-  world_T_robot_ =
-      world_T_robot_ * (is_clear ? Pose2{kSpeed_mps * kPeriod_s, 0.0, 0.0} : Pose2{0.0, 0.0, kTurn_radps * kPeriod_s});
-}
-
-double KidnappedRobot::room_m(const Pose2& world_T_robot, double from_rad, double to_rad) const {
-  double room_m = std::numeric_limits<double>::infinity();
-  for (double bearing_rad = from_rad; bearing_rad < to_rad; bearing_rad += 0.1) {
-    const double angle_rad = world_T_robot.yaw_rad + bearing_rad;
-    room_m = std::min(
-        room_m, cast_ray_m(world_, {world_T_robot.x_m, world_T_robot.y_m}, {std::cos(angle_rad), std::sin(angle_rad)}));
-  }
-  return room_m;
-}
-
-// A beam by a corner may have freed a cell beyond the walls.
-bool KidnappedRobot::is_indoors(const Pose2& world_T_robot) const {
-  for (double angle_rad = -std::numbers::pi; angle_rad < std::numbers::pi; angle_rad += 0.1) {
-    const Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
-    if (std::isinf(cast_ray_m(world_, {world_T_robot.x_m, world_T_robot.y_m}, direction))) {
-      return false;
-    }
-  }
-  return true;
-}
-
 bool KidnappedRobot::is_wrong(const Pose2& map_T_scan) const {
-  const Pose2 error = (world_T_map_.inverse() * world_T_robot_).inverse() * map_T_scan;
-  return error.distance_m({}) > kWrong_m || std::abs(error.yaw_rad) > kWrong_rad;
+  return campaign::is_wrong((world_T_map_.inverse() * world_T_robot_).inverse() * map_T_scan);
 }
 
 }  // namespace odoless::test

@@ -52,10 +52,24 @@ TEST(Progress, RedrawsAtMostTenTimesASecondAndAtTheEnd) {
   EXPECT_TRUE(text.ends_with('\n'));
 }
 
-TEST(Progress, IsSilentWhereThereIsNoTerminal) {
+TEST(Progress, WritesALineEveryHalfMinuteIntoAPipeThatWantsThem) {
+  const std::string text = shown([](std::FILE* pipe) {
+    now_ns = 0;
+    Progress progress(100, pipe, fake_clock, false);
+    for (int done = 1; done <= 100; ++done) {
+      now_ns += 1'000'000'000;
+      progress.update(done, "note");
+    }
+  });
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\r'), 0);
+  EXPECT_THAT(text, HasSubstr("30/100"));
+}
+
+TEST(Progress, LeavesNothingOfAShortJobWhereThereIsNoTerminal) {
   testing::internal::CaptureStderr();
-  {
-    Progress progress(10);
+  for (const InPipe in_pipe : {InPipe::kNothing, InPipe::kLines}) {
+    Progress progress(10, in_pipe);
     progress.update(10, "note");
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");

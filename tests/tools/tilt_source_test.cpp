@@ -41,7 +41,7 @@ class TiltBench final : public ScanSink {
                               params, fault.empty() ? std::vector<Fault>() : std::vector<Fault>{parse_fault(fault)})) {}
 
   void on_scan(const RawScan& /*scan*/) override {}
-  void on_motion(const MotionRecord& /*motion*/) override {}
+  void on_motion(const Motion& /*motion*/) override {}
   void on_raw(RawLine /*line*/, std::span<const std::byte> /*bytes*/, bool /*to_device*/) override {}
   void on_tilt(const TiltRecord& /*tilt*/) override {}
   void on_event(EventPriority /*priority*/, EventText text, std::int64_t number) override {

@@ -1,12 +1,16 @@
 #include "tools/cloud/cloud_job.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "tools/cloud/merged_cloud.hpp"
+#include "tools/command/error.hpp"
 #include "tools/eval/ate.hpp"
+#include "tools/log/plausibility.hpp"
 #include "tools/output/cloud_files.hpp"
 #include "tools/output/cloud_picture.hpp"
 #include "tools/output/trajectory.hpp"
@@ -24,12 +28,25 @@ struct Input {
   TiltLog log;
   World world;
   std::vector<StampedPose> truth;
+  std::vector<std::string> corrected;  ///< in the log
 };
+
+/// Makes a log's scans plausible. @throws DataError
+std::vector<std::string> correct(const std::string& name, TiltLog& log) {
+  ScanLog scans{.format = "tilt CSV", .has_stamps = true, .scans = std::move(log.scans)};
+  const Plausibility plausibility = make_plausible(scans);
+  if (!plausibility.is_plausible()) {
+    throw DataError(name, 0, plausibility.wrong, plausibility.right);
+  }
+  log.scans = std::move(scans.scans);
+  return plausibility.corrected;
+}
 
 Input read_whole_input(const CloudJob& job) {
   Input input;
   if (std::filesystem::path(job.input).extension() != ".world") {
     input.log = read_tilt_log(job.input);
+    input.corrected = correct(job.input, input.log);
     return input;
   }
   input.world = slowed(read_world(job.input), job.speed_max_mps);
@@ -72,6 +89,20 @@ CloudTruth compare(const Input& input, const CloudResult& result) {
   return {std::move(distances_m), distance, ate.errors.translation_m};
 }
 
+/// Level scans come when the servo lets them: gaps between them, and their times, say nothing.
+Verdict judge(const CloudRun& run, RunFigures& figures) {
+  constexpr double kWithout_pose_max = 0.25;
+  figures.missing_s = 0.0;
+  figures.untimed = 0;
+  Verdict verdict = odoless::judge(figures);
+  const int all = run.scans_in_cloud + run.scans_without_pose;
+  if (run.scans_without_pose > kWithout_pose_max * all) {
+    verdict.grade = std::max(verdict.grade, Grade::kDoubtful);
+    verdict.reasons.push_back(fmt::format("{} of {} scans have no pose", run.scans_without_pose, all));
+  }
+  return verdict;
+}
+
 nlohmann::ordered_json to_json(const Statistics& statistics, double unit) {
   return {{"count", statistics.count},
           {"median", statistics.median * unit},
@@ -105,6 +136,8 @@ nlohmann::ordered_json summary_of(const CloudResult& result) {
     summary["distance_to_truth_m"] = to_json(result.truth->distance_m, 1.0);
     summary["pose_error_m"] = to_json(result.truth->pose_error_m, 1.0);
   }
+  summary["corrected"] = result.corrected;
+  add_verdict(result.figures, result.verdict, summary);
   return summary;
 }
 
@@ -121,7 +154,7 @@ std::vector<Point3> points_of_keys(const KeyedCloud& cloud, std::size_t keys) {
 }
 
 CloudResult run_cloud_job(const CloudJob& job, const ReplayProgress& progress) {
-  const Input input = read_input(job);
+  Input input = read_input(job);
   CloudSetup setup{job.servo, job.params.mapping, job.params.robot, job.seed};
   setup.servo.clock_ahead_ns = job.clock_ahead_s ? std::llround(*job.clock_ahead_s * 1e9) : input.log.row_offset_ns;
   CloudResult result{.run = make_cloud(input.log, setup, progress)};
@@ -134,7 +167,13 @@ CloudResult run_cloud_job(const CloudJob& job, const ReplayProgress& progress) {
     setup.servo.clock_ahead_ns = result.clock.clock_ahead_ns;
     result.run = make_cloud(input.log, setup, progress);
   }
+  result.corrected = std::move(input.corrected);
+  result.figures = figures_of(result.run.slam);
+  result.verdict = judge(result.run, result.figures);
   result.points = merged_cloud(result.run.mapper.cloud(), setup.mapping.cloud.voxel_m);
+  if (result.points.empty()) {
+    throw DataError(job.input, 0, "no point was mapped", "scans with returns while the laser's pose is known");
+  }
   result.check = check_cloud(result.run.mapper.cloud());
   if (!input.truth.empty()) {
     result.truth = compare(input, result);

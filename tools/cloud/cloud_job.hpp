@@ -10,6 +10,7 @@
 #include "firmware/daemon/daemon_params.hpp"
 #include "tools/cloud/cloud_check.hpp"
 #include "tools/cloud/cloud_run.hpp"
+#include "tools/replay/verdict.hpp"
 #include "tools/sim/tilted_simulation.hpp"
 
 namespace odoless {
@@ -46,9 +47,12 @@ struct CloudResult {
   ClockEstimate clock{};
   bool clock_is_estimated = false;
   std::optional<CloudTruth> truth{};
+  std::vector<std::string> corrected{};  ///< in the log, for its numbers to be a laser's
+  RunFigures figures{};                  ///< of the level scans
+  Verdict verdict{};
 };
 
-/// Reads or simulates, aligns the clocks, maps. Writes nothing. @throws UserError.
+/// Reads or simulates, aligns the clocks, maps. Writes nothing. @throws UserError, also where nothing is seen.
 [[nodiscard]] CloudResult run_cloud_job(const CloudJob& job, const ReplayProgress& progress);
 
 /// Where the points of the first so many key poses lie in the map.

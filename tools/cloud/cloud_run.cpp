@@ -27,24 +27,27 @@ void assign(ScanFrame& frame, const LogScan& scan) {
   }
 }
 
-/// The level scans as a log of their own.
+int level_scans(const ScanLog& log) { return static_cast<int>(std::ranges::count_if(log.scans, &LogScan::is_level)); }
+
+/// All scans, which tell the laser's rhythm, with those marked that are level: each with the ranges that 2D SLAM is
+/// given.
 ScanLog level_log(const TiltLog& log, const CloudSetup& setup, BeamTilts& tilts) {
   LevelScan level(TiltMount(setup.mapping.mount), setup.mapping.level, setup.robot.scan.beams_max);
   ScanFrame frame(setup.robot.scan);
-  ScanLog out{.format = "level scans of a tilt log", .has_stamps = true, .scans = {}};
-  for (const LogScan& scan : log.scans) {
+  ScanLog out{.format = "tilt log", .has_stamps = true, .scans = log.scans};
+  for (LogScan& scan : out.scans) {
     assign(frame, scan);
     const Result<std::span<const float>> made = level.make(frame, tilts.of(scan));
+    scan.is_level = made.ok();
     if (made.ok()) {
-      out.scans.push_back(scan);
-      out.scans.back().ranges_m.assign(made.value().begin(), made.value().end());
+      scan.ranges_m.assign(made.value().begin(), made.value().end());
     }
   }
-  if (out.scans.size() < 2) {
+  if (level_scans(out) < 2) {
     throw UserError(kInputIsWrong,
                     fmt::format("{} of {} scans are level enough for 2D SLAM; expected two or more: are the servo's "
                                 "level angle and sense right, and mapping.level.tilt_max_deg?",
-                                out.scans.size(), log.scans.size()));
+                                level_scans(out), log.scans.size()));
   }
   return out;
 }
@@ -152,7 +155,7 @@ CloudRun make_cloud(const TiltLog& log, const CloudSetup& setup, const ReplayPro
   const ScanLog level = level_log(log, setup, tilts);
   CloudRun run = empty_run(setup);
   run.slam = replay(level, setup.robot, {.every = 1, .seed = setup.seed}, progress);
-  run.level_scans = static_cast<int>(level.scans.size());
+  run.level_scans = level_scans(level);
   const Track track = track_of(run.slam, setup.mapping);
   const std::int64_t start_ns = thread_cpu_ns();
   add_scans(log, track, setup, 1, run);

@@ -8,6 +8,7 @@
 
 #include "config/config.hpp"
 #include "tools/cloud/cloud_job.hpp"
+#include "tools/command/closing.hpp"
 #include "tools/command/parameter_options.hpp"
 #include "tools/output/progress.hpp"
 #include "tools/output/whole_file.hpp"
@@ -21,6 +22,7 @@ struct CloudOptions {
   double servo_level_deg = 0.0;
   double clock_ahead_ms = 0.0;
   bool clock_is_given = false;
+  bool strict = false;
 };
 
 CloudJob job_of(const CloudOptions& options) {
@@ -38,7 +40,7 @@ CloudJob job_of(const CloudOptions& options) {
 ReplayProgress show_on(std::unique_ptr<Progress>& bar) {
   return [&bar](std::int64_t done, std::int64_t total, double fitness) {
     if (!bar) {
-      bar = std::make_unique<Progress>(total);
+      bar = std::make_unique<Progress>(total, InPipe::kLines);
     }
     bar->update(done, fmt::format("fitness {:.2f}", fitness));
   };
@@ -69,6 +71,7 @@ void print(const CloudJob& job, const CloudResult& result) {
     fmt::print("truth     points within {:.3f} m in the middle, 95 % within {:.3f} m\n",
                result.truth->distance_m.median, result.truth->distance_m.percentile_95);
   }
+  fmt::print("poses     {}\n", shares_text(result.figures));
 }
 
 void run(const CloudOptions& options) {
@@ -77,8 +80,10 @@ void run(const CloudOptions& options) {
   std::unique_ptr<Progress> bar;
   const CloudResult result = run_cloud_job(job, show_on(bar));
   bar.reset();
+  tell_corrections(job.input, result.corrected);
   write_cloud_result(job, result);
   print(job, result);
+  close_job(job.input, result.verdict, options.strict);
 }
 
 void add_log_options(CLI::App& command, CloudOptions& options) {
@@ -125,6 +130,7 @@ void add_cloud(CLI::App& app) {
   command->add_option("--keys-shown", options->job.keys_shown, "Also draw the first so many key poses' points alone")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
+  command->add_flag("--strict", options->strict, "Exit with 65 where the result is not good");
   add_log_options(*command, *options);
   add_simulation_options(*command, *options);
   command->callback([options] { run(*options); });

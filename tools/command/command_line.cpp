@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "config/config_error.hpp"
+#include "tools/command/campaign.hpp"
 #include "tools/command/cloud.hpp"
 #include "tools/command/ctl.hpp"
 #include "tools/command/emulate.hpp"
@@ -36,6 +37,7 @@ void add_commands(CLI::App& app) {
   add_eval(app);
   add_sim(app);
   add_experiment(app);
+  add_campaign(app);
   add_emulate(app);
   add_probe(app);
   add_ctl(app);

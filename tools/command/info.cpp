@@ -11,8 +11,10 @@
 #include "config/config.hpp"
 #include "core/cloud/tilt_mount.hpp"
 #include "firmware/daemon/daemon_params.hpp"
+#include "firmware/health/health_text.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/log_info.hpp"
+#include "tools/log/plausibility.hpp"
 #include "tools/log/tilt_log.hpp"
 
 namespace odoless {
@@ -37,7 +39,13 @@ nlohmann::ordered_json to_json(const LogInfo& info) {
           {"angle_step_min_rad", info.angle_step_min_rad},
           {"angle_step_max_rad", info.angle_step_max_rad},
           {"has_stamps", info.has_stamps},
-          {"stamps_backwards", info.stamps_backwards},
+          {"stamps_backwards", info.times.out_of_order},
+          {"stamps_bunched", info.times.bunched},
+          {"gaps", info.times.gaps},
+          {"longest_gap_s", info.times.longest_gap_s},
+          {"clock_sets", info.times.clock_sets},
+          {"doubtful_times", info.times.doubtful},
+          {"period_s", info.times.period_s},
           {"duration_s", info.duration_s},
           {"rate_hz", info.rate_hz},
           {"return_share", info.return_share},
@@ -62,12 +70,20 @@ void print_text(const LogInfo& info) {
   fmt::print("angles    {:.2f} to {:.2f} deg, step {} deg\n", to_deg(info.angle_min_rad), to_deg(info.angle_max_rad),
              span_text(to_deg(info.angle_step_min_rad), to_deg(info.angle_step_max_rad), "{:.4f}"));
   fmt::print("duration  {:.1f} s, {:.2f} scans per second\n", info.duration_s, info.rate_hz);
-  fmt::print("stamps    {}\n",
-             info.has_stamps ? fmt::format("yes, {} go backwards", info.stamps_backwards) : "none: index x period");
+  fmt::print("stamps    {}\n", info.has_stamps ? times_text(info.times) : "none: index x period");
   fmt::print("beams     {:.1f} % returns, {:.1f} % no return, {:.1f} % invalid\n", 100.0 * info.return_share,
              100.0 * info.no_return_share, 100.0 * info.invalid_share);
   fmt::print("ranges    {:.2f} m least, {:.2f} m median, {:.2f} m most\n", info.range_min_m, info.range_m.median,
              info.range_m.max);
+}
+
+void print_plausibility(const Plausibility& plausibility) {
+  for (const std::string& correction : plausibility.corrected) {
+    fmt::print("corrected {}\n", correction);
+  }
+  if (!plausibility.is_plausible()) {
+    fmt::print("wrong     {}; expected {}\n", plausibility.wrong, plausibility.right);
+  }
 }
 
 void print_mount(const char* name, const MountParams& mount) {
@@ -116,11 +132,17 @@ void run(const InfoOptions& options) {
   if (!options.json && is_tilt_log(options.log)) {
     return print_tilt_log(read_tilt_log(options.log));
   }
-  const LogInfo info = summarise(read_scan_log(options.log, options.period_ms * 1'000'000), options.log);
+  ScanLog log = read_scan_log(options.log, options.period_ms * 1'000'000);
+  const Plausibility plausibility = make_plausible(log);
+  const LogInfo info = summarise(log, options.log);
   if (options.json) {
-    fmt::print("{}\n", to_json(info).dump(2));
+    nlohmann::ordered_json json = to_json(info);
+    json["corrected"] = plausibility.corrected;
+    json["wrong"] = plausibility.wrong;
+    fmt::print("{}\n", json.dump(2));
   } else {
     print_text(info);
+    print_plausibility(plausibility);
   }
 }
 

@@ -10,7 +10,11 @@
 #include "config/config.hpp"
 #include "config/robot_params.hpp"
 #include "firmware/daemon/daemon_params.hpp"
+#include "firmware/health/health_text.hpp"
+#include "tools/command/closing.hpp"
 #include "tools/command/error.hpp"
+#include "tools/log/log_times.hpp"
+#include "tools/log/plausibility.hpp"
 #include "tools/log/reference_poses.hpp"
 #include "tools/output/map_files.hpp"
 #include "tools/output/map_picture.hpp"
@@ -21,6 +25,7 @@
 #include "tools/output/whole_file.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/replay/summary.hpp"
+#include "tools/replay/verdict.hpp"
 
 namespace odoless {
 namespace {
@@ -34,6 +39,7 @@ struct LogJob {
   std::string config;
   std::string truth;
   double period_ms = 200.0;
+  bool strict = false;
   ReplayOptions options;
 };
 
@@ -45,7 +51,20 @@ RobotParams load(const std::string& config) {
   return params.robot;
 }
 
-ScanLog read_log(const LogJob& job) { return read_scan_log(job.log, static_cast<std::int64_t>(job.period_ms * 1e6)); }
+/// A log that can be a laser's; what was corrected for that is said.
+ScanLog read_log(const LogJob& job, std::vector<std::string>& corrected) {
+  ScanLog log = read_plausible_log(job.log, static_cast<std::int64_t>(job.period_ms * 1e6), corrected);
+  tell_corrections(job.log, corrected);
+  return log;
+}
+
+/// What came of a job, for people and for `summary.json`.
+struct Outcome {
+  RunFigures figures{};
+  Verdict verdict{};
+  std::vector<std::string> corrected;  ///< in the log
+  ScanTimeFindings times{};
+};
 
 ReplayProgress show_on(Progress& bar) {
   return [&bar](std::int64_t done, std::int64_t, double fitness) {
@@ -55,6 +74,24 @@ ReplayProgress show_on(Progress& bar) {
 
 std::int64_t scans_used(const ScanLog& log, int every) {
   return (static_cast<std::int64_t>(log.scans.size()) + every - 1) / every;
+}
+
+nlohmann::ordered_json to_json(const ScanTimeFindings& times) {
+  return {{"out_of_order", times.out_of_order},   {"bunched", times.bunched},       {"gaps", times.gaps},
+          {"longest_gap_s", times.longest_gap_s}, {"clock_sets", times.clock_sets}, {"moved", times.moved},
+          {"doubtful", times.doubtful},           {"period_s", times.period_s},     {"waver_s", times.waver_s}};
+}
+
+void add_outcome(const Outcome& outcome, nlohmann::ordered_json& summary) {
+  add_verdict(outcome.figures, outcome.verdict, summary);
+  summary["corrected"] = outcome.corrected;
+  summary["stamps"] = to_json(outcome.times);
+}
+
+/// The closing lines.
+void close(const LogJob& job, const Outcome& outcome) {
+  fmt::print("{}\nstamps: {}\n", shares_text(outcome.figures), times_text(outcome.times));
+  close_job(job.log, outcome.verdict, job.strict);
 }
 
 void write_summary(const LogJob& job, const nlohmann::ordered_json& summary) {
@@ -85,8 +122,10 @@ void write_replay(const LogJob& job, const ReplayResult& result, nlohmann::order
   write_trajectory(job.out / "trajectory.tum", result.trajectory);
   write_trajectory(job.out / "trajectory_online.tum", result.online_trajectory);
   write_matches(job.out / "matches.csv", result.matches);
-  write_map(job.out, result.map);
-  write_map_picture(job.out / "map.png", result.map, paths_to_draw(job, result));
+  if (!result.map.occupancy_percent.empty()) {
+    write_map(job.out, result.map);
+    write_map_picture(job.out / "map.png", result.map, paths_to_draw(job, result));
+  }
   summary["retried_matches"] = result.retried_matches;
   summary["filter_updates"] = result.filter_updates;
   summary["lost_scans"] = result.lost_scans;
@@ -104,39 +143,55 @@ void run_replay(const LogJob& job) {
     static_cast<void>(read_reference_poses(job.truth));  // what is wrong with it is better said before the work
   }
   const ResourceMeter meter;
-  const ScanLog log = read_log(job);
+  Outcome outcome;
+  const ScanLog log = read_log(job, outcome.corrected);
   make_output_folder(job.out);
   const std::int64_t scans = scans_used(log, job.options.every);
   ReplayResult result;
   {
-    Progress bar(scans);
+    Progress bar(scans, InPipe::kLines);
     result = replay(log, params, job.options, show_on(bar));
   }
-  const nlohmann::ordered_json summary = summarise(result.matches, scans, result.log_duration_s, meter);
+  outcome.figures = figures_of(result);
+  outcome.verdict = judge(outcome.figures);
+  outcome.times = result.source.times;
+  nlohmann::ordered_json summary = summarise(result.matches, scans, result.log_duration_s, meter);
+  add_outcome(outcome, summary);
   write_replay(job, result, summary);
-  fmt::print("{} scans in {:.1f} s, {:.1f} times as fast as recorded; {} poor matches; map in {}\n", scans,
-             summary["wall_s"].get<double>(), summary["realtime_factor"].get<double>(), result.poor_matches,
-             (job.out / "map.png").string());
+  fmt::print("{} scans in {:.1f} s, {:.1f} times as fast as recorded; {}\n", scans, summary["wall_s"].get<double>(),
+             summary["realtime_factor"].get<double>(),
+             outcome.figures.is_mapped ? fmt::format("map in {}", (job.out / "map.png").string()) : "no map");
+  close(job, outcome);
+  if (!outcome.figures.is_mapped) {
+    throw DataError(job.log, 0, "nothing was mapped", "ranges between scan.range_min_m and scan.range_max_m");
+  }
 }
 
 void run_match(const LogJob& job) {
   const RobotParams params = load(job.config);
   const ResourceMeter meter;
-  const ScanLog log = read_log(job);
+  Outcome outcome;
+  const ScanLog log = read_log(job, outcome.corrected);
   make_output_folder(job.out);
   const std::int64_t scans = scans_used(log, job.options.every);
   std::vector<MatchRow> rows;
   {
-    Progress bar(scans - 1);
+    Progress bar(scans - 1, InPipe::kLines);
     rows = match_pairs(log, params, job.options, show_on(bar));
   }
   write_matches(job.out / "matches.csv", rows);
   const double duration_s = rows.empty() ? 0.0 : rows.back().stamp_s - rows.front().reference_stamp_s;
-  const nlohmann::ordered_json summary = summarise(rows, scans, duration_s, meter);
+  outcome.figures = figures_of(rows);
+  outcome.times = times_of(log, job.options.every).findings;
+  outcome.figures.untimed = outcome.times.doubtful;
+  outcome.verdict = judge(outcome.figures);
+  nlohmann::ordered_json summary = summarise(rows, scans, duration_s, meter);
+  add_outcome(outcome, summary);
   write_summary(job, summary);
   fmt::print("{} matches, median {:.0f} us, worst {:.0f} us; {} poor; {}\n", rows.size(),
              summary["match_median_us"].get<double>(), summary["match_max_us"].get<double>(),
              summary["poor_matches"].get<int>(), (job.out / "matches.csv").string());
+  close(job, outcome);
 }
 
 CLI::App* add_log_job(CLI::App& app, const char* name, const char* what, LogJob& job) {
@@ -151,6 +206,7 @@ CLI::App* add_log_job(CLI::App& app, const char* name, const char* what, LogJob&
   command->add_option("--period-ms", job.period_ms, "Time between scans of a log without stamps")
       ->check(CLI::Range(0.001, 1e6))
       ->capture_default_str();
+  command->add_flag("--strict", job.strict, "Exit with 65 where the result is not good");
   return command;
 }
 

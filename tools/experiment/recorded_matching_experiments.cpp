@@ -40,7 +40,7 @@ Table fitness_table(const std::string& name, std::span<const MatchRow> matches, 
 
 /// The scans that a run used, which `every` thins.
 ScanLog used_scans(const ScanLog& log, int every) {
-  ScanLog used{log.format, log.has_stamps, {}};
+  ScanLog used{log.format, log.has_stamps, log.stamp_digits, {}};
   for (std::size_t i = 0; i < log.scans.size(); i += static_cast<std::size_t>(every)) {
     used.scans.push_back(log.scans[i]);
   }

@@ -82,7 +82,7 @@ std::size_t Fields::count(std::size_t index, std::size_t max, const char* what) 
 }
 
 std::int64_t Fields::stamp_ns(std::size_t index) const {
-  const std::optional<std::int64_t> stamp_ns = parse_stamp_ns(fields_[index]);
+  const std::optional<std::int64_t> stamp_ns = parse_stamp_ns(fields_[index], stamp_digits_);
   if (!stamp_ns) {
     fail_field(index, "a time stamp in seconds");
   }

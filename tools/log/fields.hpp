@@ -30,6 +30,8 @@ class Fields {
   /// A whole number 0 .. max.
   [[nodiscard]] std::size_t count(std::size_t index, std::size_t max, const char* what) const;
   [[nodiscard]] std::int64_t stamp_ns(std::size_t index) const;
+  /// The unit of stamps from here on: parse_stamp_ns's digits.
+  void set_stamp_digits(int digits) { stamp_digits_ = digits; }
   /// `size` ranges from field `begin` on; they must exist.
   [[nodiscard]] std::vector<float> ranges_m(std::size_t begin, std::size_t size) const;
 
@@ -43,6 +45,7 @@ class Fields {
   std::vector<std::string_view> fields_;
   std::string name_;
   int line_ = 0;
+  int stamp_digits_ = 9;
 };
 
 }  // namespace odoless

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tools/command/error.hpp"
+#include "tools/log/log_times.hpp"
 
 namespace odoless {
 namespace {
@@ -30,9 +31,7 @@ void add_times(const ScanLog& log, LogInfo& info) {
   info.duration_s = static_cast<double>(newest->stamp_ns) * kSecondsPerNanosecond -
                     static_cast<double>(oldest->stamp_ns) * kSecondsPerNanosecond;
   info.rate_hz = info.duration_s > 0.0 ? static_cast<double>(log.scans.size() - 1) / info.duration_s : 0.0;
-  for (std::size_t i = 1; i < log.scans.size(); ++i) {
-    info.stamps_backwards += older(log.scans[i], log.scans[i - 1]) ? 1 : 0;
-  }
+  info.times = times_of(log, 1).findings;
 }
 
 /// Counts of beams by what they say, and the ranges of the returns.

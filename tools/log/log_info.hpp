@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include "core/scan/scan_time.hpp"
 #include "tools/eval/statistics.hpp"
 #include "tools/log/scan_log.hpp"
 
@@ -19,10 +20,10 @@ struct LogInfo {
   double angle_step_min_rad = 0.0;
   double angle_step_max_rad = 0.0;
   bool has_stamps = false;
-  std::size_t stamps_backwards = 0;  ///< scans that say to be older than the one before
-  double duration_s = 0.0;           ///< from the oldest scan to the newest
-  double rate_hz = 0.0;              ///< 0 without duration
-  double return_share = 0.0;         ///< 0..1 of all beams, as the SLAM would classify them with its defaults
+  ScanTimeFindings times{};   ///< what the stamps are like
+  double duration_s = 0.0;    ///< from the oldest scan to the newest
+  double rate_hz = 0.0;       ///< 0 without duration
+  double return_share = 0.0;  ///< 0..1 of all beams, as the SLAM would classify them with its defaults
   double no_return_share = 0.0;
   double invalid_share = 0.0;
   Statistics range_m;  ///< of the returns

@@ -44,7 +44,7 @@ class LogBuilder {
  private:
   void add_scan(std::string_view line, const LineReader& lines) {
     fields_.split(line, lines, format_->separator);
-    LineScan parsed = format_->parse(fields_);
+    LineScan parsed = log_.scans.empty() ? parse_first() : format_->parse(fields_);
     if (!log_.scans.empty() && parsed.has_stamp != has_stamps_) {
       fields_.fail(parsed.has_stamp ? "only this scan has a time stamp" : "this scan alone has no time stamp",
                    "stamps in all scans or in none");
@@ -52,6 +52,19 @@ class LogBuilder {
     has_stamps_ = parsed.has_stamp;
     stamps_ns_.push_back(parsed.scan.stamp_ns);
     log_.scans.push_back(std::move(parsed.scan));
+  }
+
+  // Of seconds since 1970 a nanosecond count has 19 digits: what has more is of a smaller unit.
+  LineScan parse_first() {
+    for (const int digits : {6, 3, 0}) {
+      try {
+        return format_->parse(fields_);
+      } catch (const DataError&) {
+        fields_.set_stamp_digits(digits);
+        log_.stamp_digits = digits;
+      }
+    }
+    return format_->parse(fields_);
   }
 
   const ScanFormat* format_ = nullptr;

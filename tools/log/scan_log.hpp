@@ -17,6 +17,7 @@ struct LogScan {
   double angle_step_rad = 0.0;
   std::int64_t beam_period_ns = 0;                             ///< from beam to beam; 0: unknown
   float no_return_m = std::numeric_limits<float>::infinity();  ///< this range or more is no return
+  bool is_level = true;                                        ///< false: 2D SLAM is not given it
   std::vector<float> ranges_m;                                 ///< as recorded: also 0, inf and NaN
 
   /// A view, valid while this scan lives unchanged.
@@ -33,6 +34,7 @@ struct LogScan {
 struct ScanLog {
   std::string format;       ///< for people, such as "CARMEN FLASER"
   bool has_stamps = false;  ///< false: the stamps are index * default_period_ns
+  int stamp_digits = 9;     ///< of nanoseconds in the unit of the file's stamps; less than 9: they were no seconds
   std::vector<LogScan> scans;
 };
 
@@ -46,7 +48,8 @@ constexpr std::int64_t kDefaultPeriodNs = 200'000'000;
 /// - CSV `t,angle_min,angle_inc,time_inc,scan_time,rmin,rmax,n,ranges...`, rmax and more is no return.
 ///
 /// Each scan has at least one range and a finite geometry with a step other than 0. Stamps that are missing, all equal
-/// or all zero are replaced by index * default_period_ns; stamps that go backwards are kept. Stamps are in whole
+/// or all zero are replaced by index * default_period_ns; stamps that go backwards are kept. Where the first stamp is
+/// beyond +-292 years in seconds, all are taken for milli-, micro- or nanoseconds. Stamps are in whole
 /// microseconds and angles of float precision, so that a scan that went over LCM is the very same.
 ///
 /// @throws DataError for a malformed line, a cut file, or a log without any scan; NoInputError, IoError.

@@ -8,7 +8,6 @@
 namespace odoless {
 namespace {
 
-constexpr int kNanoDigits = 9;
 constexpr int kInt64Digits = 19;
 constexpr int kExponentMax = 1000;
 
@@ -78,14 +77,14 @@ std::optional<std::int64_t> to_integer(Decimal decimal) {
 
 }  // namespace
 
-std::optional<std::int64_t> parse_stamp_ns(std::string_view seconds) {
+std::optional<std::int64_t> parse_stamp_ns(std::string_view text, int digits) {
   Decimal decimal;
-  decimal.negative = seconds.starts_with('-');
-  seconds.remove_prefix(decimal.negative ? 1 : 0);
-  if (!take_mantissa(seconds, decimal) || !take_exponent(seconds, decimal)) {
+  decimal.negative = text.starts_with('-');
+  text.remove_prefix(decimal.negative ? 1 : 0);
+  if (!take_mantissa(text, decimal) || !take_exponent(text, decimal)) {
     return std::nullopt;
   }
-  decimal.exponent += kNanoDigits;
+  decimal.exponent += digits;
   return to_integer(std::move(decimal));
 }
 

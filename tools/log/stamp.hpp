@@ -7,9 +7,10 @@
 
 namespace odoless {
 
-/// Decimal seconds, with or without exponent, as nanoseconds: exact, and rounded half away from zero below 1 ns.
+/// A decimal time, with or without exponent, as nanoseconds: exact, and rounded half away from zero below 1 ns.
 /// Nothing when the text is no finite decimal number or is beyond +-292 years.
-[[nodiscard]] std::optional<std::int64_t> parse_stamp_ns(std::string_view seconds);
+/// @param digits  Of nanoseconds in the unit: 9 for seconds, 6 for milliseconds, 3 for microseconds, 0 for nanoseconds.
+[[nodiscard]] std::optional<std::int64_t> parse_stamp_ns(std::string_view text, int digits = 9);
 
 /// Whether these stamps tell scans apart: not all zero, and not all equal when there are several.
 [[nodiscard]] bool stamps_are_usable(std::span<const std::int64_t> stamps_ns);

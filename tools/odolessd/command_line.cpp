@@ -9,11 +9,13 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "config/config.hpp"
 #include "firmware/daemon/daemon.hpp"
 #include "rt/clock.hpp"
 #include "tools/command/error.hpp"
+#include "tools/log/plausibility.hpp"
 #include "tools/odolessd/replay_source.hpp"
 #include "tools/odolessd/save.hpp"
 #include "tools/output/whole_file.hpp"
@@ -99,7 +101,11 @@ void add_replay(const Arguments& arguments, DaemonOptions& options) {
   if (!has_matcher(options.stages)) {
     throw UsageError("--replay needs the sensor and matcher stages here");
   }
-  ScanLog log = read_scan_log(arguments.replay, static_cast<std::int64_t>(arguments.period_ms * 1e6));
+  std::vector<std::string> corrected;
+  ScanLog log = read_plausible_log(arguments.replay, static_cast<std::int64_t>(arguments.period_ms * 1e6), corrected);
+  for (const std::string& correction : corrected) {
+    fmt::print(stderr, "odolessd: {}: {}\n", arguments.replay, correction);
+  }
   constexpr std::int64_t kHead_ns = 200'000'000;  // for the threads to be there
   options.source = std::make_unique<ReplaySource>(std::move(log), arguments.rate, MonotonicClock().now_ns() + kHead_ns);
   options.lossless = arguments.rate <= 0.0;

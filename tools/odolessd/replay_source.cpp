@@ -5,13 +5,13 @@
 namespace odoless {
 
 ReplaySource::ReplaySource(ScanLog log, double rate, std::int64_t start_ns)
-    : log_(std::move(log)), rate_(rate), start_ns_(start_ns) {}
+    : log_(std::move(log)), times_(times_of(log_, 1)), rate_(rate), start_ns_(start_ns) {}
 
 std::int64_t ReplaySource::next_deadline_ns() const {
   if (is_exhausted() || rate_ <= 0.0) {
     return 0;
   }
-  const std::int64_t since_ns = log_.scans[next_].stamp_ns - log_.scans.front().stamp_ns;
+  const std::int64_t since_ns = times_.times[next_].time_ns - times_.times.front().time_ns;
   return start_ns_ + static_cast<std::int64_t>(static_cast<double>(since_ns) / rate_);
 }
 

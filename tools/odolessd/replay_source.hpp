@@ -4,11 +4,13 @@
 
 #include "firmware/stages/scan_source.hpp"
 #include "rt/clock.hpp"
+#include "tools/log/log_times.hpp"
 #include "tools/log/scan_log.hpp"
 
 namespace odoless {
 
-/// A recorded log as a source of the daemon: as fast as the pipeline takes it, or at a multiple of the recorded pace.
+/// A recorded log as a source of the daemon: as fast as the pipeline takes it, or at a multiple of the recorded pace,
+/// as far as its stamps tell that.
 ///
 /// Thread: sensor thread. Real time: no allocation.
 class ReplaySource final : public ScanSource {
@@ -27,6 +29,7 @@ class ReplaySource final : public ScanSource {
 
  private:
   ScanLog log_;
+  LogTimes times_;
   double rate_;
   std::int64_t start_ns_;
   std::size_t next_ = 0;

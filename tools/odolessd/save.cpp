@@ -75,6 +75,7 @@ nlohmann::ordered_json summary_of(const DaemonResult& result) {
   summary["scans_rejected"] = health.lrf.rejected;
   summary["scans_dropped"] = health.lrf.dropped;
   summary["scans_late"] = health.lrf.late;
+  summary["scan_times"] = times_text(health.lrf.times);
   summary["reconnects"] = health.lrf.reconnects;
   summary["datagrams_lost"] = health.lrf.datagrams_lost;
   summary["records_dropped"] = health.records_dropped;

@@ -10,6 +10,7 @@ namespace odoless {
 namespace {
 
 constexpr std::int64_t kRedrawNs = 100'000'000;
+constexpr std::int64_t kLineNs = 30'000'000'000;
 constexpr double kSecondsPerNanosecond = 1e-9;
 constexpr std::size_t kLineCharactersMax = 100;
 constexpr std::size_t kBarCharacters = 24;
@@ -37,31 +38,43 @@ std::string format_progress(const ProgressState& state, std::string_view note) {
   return line.substr(0, kLineCharactersMax);
 }
 
-Progress::Progress(std::int64_t total)
-    : Progress(total, isatty(fileno(stderr)) == 1 ? stderr : nullptr, &monotonic_ns) {}
+Progress::Progress(std::int64_t total, InPipe in_pipe)
+    : Progress(total, stderr, &monotonic_ns, isatty(fileno(stderr)) == 1) {
+  output_ = is_terminal_ || in_pipe == InPipe::kLines ? output_ : nullptr;
+}
 
-Progress::Progress(std::int64_t total, std::FILE* terminal, Clock now_ns)
-    : terminal_(terminal), now_ns_(now_ns), total_(total), start_ns_(now_ns()), drawn_ns_(start_ns_ - kRedrawNs) {}
+Progress::Progress(std::int64_t total, std::FILE* output, Clock now_ns, bool is_terminal)
+    : output_(output),
+      is_terminal_(is_terminal),
+      now_ns_(now_ns),
+      total_(total),
+      start_ns_(now_ns()),
+      drawn_ns_(is_terminal ? start_ns_ - kRedrawNs : start_ns_) {}
 
 void Progress::update(std::int64_t done, std::string_view note) {
-  if (terminal_ == nullptr) {
+  if (output_ == nullptr) {
     return;
   }
   const std::int64_t now_ns = now_ns_();
-  if (now_ns - drawn_ns_ < kRedrawNs && done < total_) {
+  const bool is_due = now_ns - drawn_ns_ >= (is_terminal_ ? kRedrawNs : kLineNs);
+  if (!is_due && (!is_terminal_ || done < total_)) {
     return;
   }
   drawn_ns_ = now_ns;
-  is_drawn_ = true;
+  is_drawn_ = is_terminal_;
   const double elapsed_s = static_cast<double>(now_ns - start_ns_) * kSecondsPerNanosecond;
-  // Back to the line's start, and clear what the last line was longer.
-  fmt::print(terminal_, "\r{}\x1b[K", format_progress({done, total_, elapsed_s}, note));
-  static_cast<void>(std::fflush(terminal_));
+  const std::string line = format_progress({done, total_, elapsed_s}, note);
+  if (is_terminal_) {
+    fmt::print(output_, "\r{}\x1b[K", line);  // back to the line's start; clears what the last line was longer
+  } else {
+    fmt::print(output_, "{}\n", line);
+  }
+  static_cast<void>(std::fflush(output_));
 }
 
 Progress::~Progress() {
   if (is_drawn_) {
-    static_cast<void>(std::fputc('\n', terminal_));
+    static_cast<void>(std::fputc('\n', output_));
   }
 }
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
-#include "firmware/stages/filter_stage.hpp"
-#include "firmware/stages/matcher_stage.hpp"
+#include "core/base/check.hpp"
+#include "firmware/stages/stage_chain.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
+#include "tools/log/log_times.hpp"
 #include "tools/replay/summary.hpp"
 
 namespace odoless {
@@ -14,12 +16,19 @@ namespace {
 
 double to_s(std::int64_t stamp_ns) { return static_cast<double>(stamp_ns) * 1e-9; }
 
-void assign(ScanFrame& frame, const ScanLog& log, int index) {
-  const Errc error = frame.assign(log.scans[static_cast<std::size_t>(index)].raw());
+void assign(ScanFrame& frame, const RawScan& raw, int index) {
+  const Errc error = frame.assign(raw);
   if (error != Errc::kOk) {
     throw UserError(65, "scan " + std::to_string(index) + " of the log: " + describe(error) +
                             "; scan.beams_max in the configuration sets how many beams a scan may have");
   }
+}
+
+// A scan that the sensor stage did not take.
+[[noreturn]] void refuse(const RawScan& raw, const ScanParams& params, int index) {
+  ScanFrame frame(params);
+  assign(frame, raw, index);
+  ODOLESS_CHECK(false);
 }
 
 std::vector<int> used_scans(const ScanLog& log, int every) {
@@ -40,73 +49,119 @@ MatchRow row_of(const ScanLog& log, int reference_index, int index) {
   return row;
 }
 
-void fill_quality(MatchRow& row, const MatchResult& match, std::int64_t cpu_ns) {
+// Of a Motion or a MatchResult.
+template <class Match>
+void fill_quality(MatchRow& row, const Match& match, bool converged, std::int64_t cpu_ns) {
   row.fitness = match.fitness;
   row.evaluations = match.evaluations;
-  row.converged = match.converged;
+  row.converged = converged;
   row.time_us = static_cast<double>(cpu_ns) * 1e-3;
 }
 
-// Each scan hangs on the filter update before it; the best particle's final path says where that update was.
-std::vector<StampedPose> final_trajectory(const std::vector<StampedPose>& path, const std::vector<FilterStep>& steps,
-                                          const std::vector<int>& updates, const std::vector<StampedPose>& online) {
-  std::vector<StampedPose> out = online;
-  if (static_cast<int>(path.size()) != (updates.empty() ? 0 : updates.back() + 1)) {
-    return out;  // thinned paths: the poses of the time stand
-  }
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    out[i].map_T_scan = path[static_cast<std::size_t>(updates[i])].map_T_scan * steps[i].update_T_scan;
-  }
-  return out;
-}
+/// Collects what the stages make of the scans.
+class Recorder {
+ public:
+  explicit Recorder(const ScanLog& log) : log_(log) {}
 
-void count(const FilterStep& step, ReplayResult& result) {
-  const bool lost = step.tracking == Tracking::kLost;
-  result.lost_scans += lost ? 1 : 0;
-  result.relocalisations += step.found ? 1 : 0;
-  result.least_fit = lost ? result.least_fit : std::min(result.least_fit, step.fit);
-}
+  [[nodiscard]] ReplayResult& result() { return result_; }
+
+  /// @param time_ns  When the scan was taken, as estimated.
+  void add(int index, const ChainStep& step, std::int64_t time_ns) {
+    count(step.filter);
+    count_gap(time_ns);
+    result_.scan_cpu_us.push_back(static_cast<double>(step.matcher_cpu_ns + step.filter_cpu_ns) * 1e-3);
+    result_.filter_updates += step.filter.updated ? 1 : 0;
+    updates_.push_back(result_.filter_updates - 1);
+    result_.online_trajectory.push_back({step.stamp_ns, step.filter.map_T_scan});
+    if (!steps_.empty()) {
+      add_match(index, step);
+    }
+    steps_.push_back(step.filter);
+    last_index_ = index;
+  }
+
+  [[nodiscard]] ReplayResult finish(Slam& filter) {
+    filter.finish();
+    std::vector<StampedPose> path;
+    filter.write_path(path);
+    result_.trajectory = final_trajectory(path);
+    filter.write_occupancy(result_.map);
+    return std::move(result_);
+  }
+
+ private:
+  static constexpr double kWeight_clear = 0.9;
+
+  void add_match(int index, const ChainStep& step) {
+    MatchRow row = row_of(log_, last_index_, index);
+    row.reference_T_scan = step.motion.previous_T_current;
+    fill_quality(row, step.motion, step.motion.has(kConverged), step.matcher_cpu_ns);
+    result_.matches.push_back(row);
+    result_.poor_matches += step.motion.has(kConverged) ? 0 : 1;
+    result_.retried_matches += step.motion.has(kEscalated) ? 1 : 0;
+    result_.ambiguous_matches += step.motion.weight() < kWeight_clear ? 1 : 0;
+  }
+
+  void count(const FilterStep& step) {
+    const bool lost = step.tracking == Tracking::kLost;
+    result_.lost_scans += lost ? 1 : 0;
+    result_.doubtful_scans += step.tracking == Tracking::kDoubtful ? 1 : 0;
+    result_.relocalisations += step.found ? 1 : 0;
+    result_.outside_scans += step.report.outside_tiles > 0 ? 1 : 0;
+    result_.least_fit = lost ? result_.least_fit : std::min(result_.least_fit, step.fit);
+  }
+
+  void count_gap(std::int64_t time_ns) {
+    constexpr double kGap_s = 1.0;
+    const double since_s = to_s(time_ns - last_time_ns_);
+    result_.missing_s += !steps_.empty() && since_s > kGap_s ? since_s : 0.0;
+    last_time_ns_ = time_ns;
+  }
+
+  // Each scan hangs on the filter update before it; the best particle's final path says where that update was.
+  [[nodiscard]] std::vector<StampedPose> final_trajectory(const std::vector<StampedPose>& path) const {
+    std::vector<StampedPose> out = result_.online_trajectory;
+    if (static_cast<int>(path.size()) != (updates_.empty() ? 0 : updates_.back() + 1)) {
+      return out;  // thinned paths: the poses of the time stand
+    }
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      out[i].map_T_scan = path[static_cast<std::size_t>(updates_[i])].map_T_scan * steps_[i].update_T_scan;
+    }
+    return out;
+  }
+
+  const ScanLog& log_;
+  ReplayResult result_;
+  std::vector<FilterStep> steps_;
+  std::vector<int> updates_;  ///< filter update that each scan hangs on
+  int last_index_ = 0;
+  std::int64_t last_time_ns_ = 0;
+};
 
 }  // namespace
 
 ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
                     const ReplayProgress& progress) {
   const std::vector<int> used = used_scans(log, options.every);
-  MatcherStage matcher(params, options.seed);
-  FilterStage filter(params, options.seed);
-  ScanFrame frame(params.scan);
-  ReplayResult result;
-  std::vector<FilterStep> steps;
-  std::vector<int> updates;
+  StageChain chain(params, options.seed, false);
+  Recorder recorder(log);
   for (std::size_t i = 0; i < used.size(); ++i) {
-    assign(frame, log, used[i]);
-    const std::int64_t start_ns = thread_cpu_ns();
-    const OdometryStep step = matcher.process(frame);
-    const std::int64_t cpu_ns = thread_cpu_ns() - start_ns;
-    steps.push_back(filter.process(frame, step));
-    result.scan_cpu_us.push_back(static_cast<double>(thread_cpu_ns() - start_ns) * 1e-3);
-    count(steps.back(), result);
+    const LogScan& scan = log.scans[static_cast<std::size_t>(used[i])];
+    const RawScan raw = scan.raw();
+    const ChainStep step = chain.process(raw, raw.stamp_ns, scan.is_level);
+    if (step.verdict == ScanVerdict::kMalformed) {
+      refuse(raw, params.scan, used[i]);
+    }
+    if (step.verdict == ScanVerdict::kAccepted) {
+      recorder.add(used[i], step, chain.frame().time_ns());
+    }
     if ((i + 1) * 10 / used.size() > i * 10 / used.size()) {
-      result.rss_bytes_by_tenth.push_back(ResourceMeter::rss_bytes());
+      recorder.result().rss_bytes_by_tenth.push_back(ResourceMeter::rss_bytes());
     }
-    result.filter_updates += steps.back().updated ? 1 : 0;
-    updates.push_back(result.filter_updates - 1);
-    result.online_trajectory.push_back({frame.stamp_ns(), steps.back().map_T_scan});
-    if (i > 0) {
-      MatchRow row = row_of(log, used[i - 1], used[i]);
-      row.reference_T_scan = step.previous_T_current;
-      fill_quality(row, step.match, cpu_ns);
-      result.matches.push_back(row);
-      result.poor_matches += step.match.converged ? 0 : 1;
-      result.retried_matches += step.match.escalated ? 1 : 0;
-    }
-    progress(static_cast<std::int64_t>(i) + 1, static_cast<std::int64_t>(used.size()), step.match.fitness);
+    progress(static_cast<std::int64_t>(i) + 1, static_cast<std::int64_t>(used.size()), step.motion.fitness);
   }
-  filter.filter().finish();
-  std::vector<StampedPose> path;
-  filter.filter().write_path(path);
-  result.trajectory = final_trajectory(path, steps, updates, result.online_trajectory);
-  filter.filter().write_occupancy(result.map);
+  ReplayResult result = recorder.finish(chain.filter().filter());
+  result.source = chain.sensor().counts();
   result.log_duration_s = to_s(log.scans[static_cast<std::size_t>(used.back())].stamp_ns - log.scans.front().stamp_ns);
   return result;
 }
@@ -114,26 +169,28 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
 std::vector<MatchRow> match_pairs(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
                                   const ReplayProgress& progress) {
   const std::vector<int> used = used_scans(log, options.every);
+  const LogTimes times = times_of(log, options.every);
   NdtMatcher matcher(params.matcher);
   MatchReference reference(params.matcher.reference, params.matcher.points_max);
   ScanFrame previous(params.scan);
   ScanFrame current(params.scan);
   std::vector<MatchRow> rows;
   for (std::size_t i = 1; i < used.size(); ++i) {
-    assign(previous, log, used[i - 1]);
-    assign(current, log, used[i]);
+    assign(previous, log.scans[static_cast<std::size_t>(used[i - 1])].raw(), used[i - 1]);
+    assign(current, log.scans[static_cast<std::size_t>(used[i])].raw(), used[i]);
     Rng rng(options.seed, static_cast<std::uint64_t>(used[i]));  // a pair's result does not depend on the pairs before
     MatchRow row = row_of(log, used[i - 1], used[i]);
     const std::int64_t start_ns = thread_cpu_ns();
     const PlacedScan placed{&previous, {}};
     static_cast<void>(reference.rebuild({&placed, 1}));
-    const double period_s = log.has_stamps ? row.stamp_s - row.reference_stamp_s : 0.0;
-    const Expectation expected = expect_rest(params.matcher, period_s);
+    const double estimated_s = to_s(times.times[i].time_ns - times.times[i - 1].time_ns);
+    const double period_s = log.has_stamps ? std::max(row.stamp_s - row.reference_stamp_s, estimated_s) : 0.0;
+    const Expectation expected = expect_rest(params.limits, period_s);
     const Result<MatchResult> match = matcher.match(reference, current, expected, {}, rng);
     const std::int64_t cpu_ns = thread_cpu_ns() - start_ns;
     const MatchResult found = match.ok() ? match.value() : MatchResult{};  // nothing to match: no motion, fitness 0
     row.reference_T_scan = found.reference_T_scan;
-    fill_quality(row, found, cpu_ns);
+    fill_quality(row, found, found.converged, cpu_ns);
     rows.push_back(row);
     progress(static_cast<std::int64_t>(i), static_cast<std::int64_t>(used.size()) - 1, found.fitness);
   }

@@ -8,6 +8,7 @@
 #include "config/robot_params.hpp"
 #include "core/geometry/stamped_pose.hpp"
 #include "core/grid/occupancy_map.hpp"
+#include "firmware/records/health.hpp"
 #include "tools/log/scan_log.hpp"
 #include "tools/output/matches.hpp"
 
@@ -30,13 +31,18 @@ struct ReplayResult {
   OccupancyMap map;
   int poor_matches = 0;  ///< not converged
   int retried_matches = 0;
+  int ambiguous_matches = 0;  ///< with another answer that is at least a tenth as likely
+  int outside_scans = 0;      ///< whose beams reach beyond the grid
+  double missing_s = 0.0;     ///< in gaps of more than a second between two scans
   int filter_updates = 0;
   int lost_scans = 0;                            ///< taken while the robot was lost
+  int doubtful_scans = 0;                        ///< whose pose was not sure, nor lost
   int relocalisations = 0;                       ///< times that it was found again
   double least_fit = 1.0;                        ///< worst fit of a scan to the map while it was not lost
   std::vector<double> scan_cpu_us;               ///< of matcher and filter, one per scan used
   std::vector<std::int64_t> rss_bytes_by_tenth;  ///< of the process, after each tenth of the scans
   double log_duration_s = 0.0;
+  SourceHealth source{};  ///< what the sensor stage took and refused, and what the stamps were like
 };
 
 /// Runs a log through the stages of the daemon on one thread. The same log, parameters and options give the same

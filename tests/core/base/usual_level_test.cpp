@@ -5,8 +5,10 @@
 namespace odoless {
 namespace {
 
+constexpr double kMemory_s = 5.0;
+
 TEST(UsualLevel, NothingIsUsualBeforeItWasSeenForAWhile) {
-  UsualLevel level;
+  UsualLevel level(kMemory_s);
   EXPECT_EQ(level.value(), 0.0);
   for (int i = 0; i < 49; ++i) {
     level.add(0.8, 0.1);
@@ -17,7 +19,7 @@ TEST(UsualLevel, NothingIsUsualBeforeItWasSeenForAWhile) {
 }
 
 TEST(UsualLevel, OneOddValueMovesItLittleAndManyMoveItThere) {
-  UsualLevel level;
+  UsualLevel level(kMemory_s);
   level.add(0.8, 5.0);
   level.add(0.0, 0.1);
   EXPECT_GT(level.value(), 0.75);
@@ -28,8 +30,8 @@ TEST(UsualLevel, OneOddValueMovesItLittleAndManyMoveItThere) {
 }
 
 TEST(UsualLevel, CountsValuesByTheirTimeAndNotByTheirNumber) {
-  UsualLevel often;
-  UsualLevel rarely;
+  UsualLevel often(kMemory_s);
+  UsualLevel rarely(kMemory_s);
   often.add(1.0, 5.0);
   rarely.add(1.0, 5.0);
   for (int i = 0; i < 100; ++i) {

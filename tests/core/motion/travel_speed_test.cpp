@@ -5,8 +5,8 @@
 namespace odoless {
 namespace {
 
-MotionIncrement step(double x_m, double y_m, std::int64_t duration_ns) {
-  return {.from_stamp_ns = 1'000, .to_stamp_ns = 1'000 + duration_ns, .previous_T_current = {x_m, y_m, 0.0}};
+Motion step(double x_m, double y_m, std::int64_t duration_ns) {
+  return Motion::between(1'000, 1'000 + duration_ns, {x_m, y_m, 0.0});
 }
 
 TEST(TravelSpeed, PromisesNothingBeforeTheFirstDisplacement) {

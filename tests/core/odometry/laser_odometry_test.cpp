@@ -26,19 +26,17 @@ class Drive {
   }
 
   // Moves by `motion` within `period_ns`, then scans.
-  const OdometryStep& step(const Pose2& motion, std::int64_t period_ns = kPeriod_ns) {
+  const Motion& step(const Pose2& motion, std::int64_t period_ns = kPeriod_ns) {
     return seen(scene_, motion, period_ns);
   }
   // The same while the laser is covered.
-  const OdometryStep& step_blind(const Pose2& motion) { return step_in(SimulatedScene{}, motion); }
+  const Motion& step_blind(const Pose2& motion) { return step_in(SimulatedScene{}, motion); }
   // The same in another scene.
-  const OdometryStep& step_in(const SimulatedScene& scene, const Pose2& motion) {
-    return seen(scene, motion, kPeriod_ns);
-  }
+  const Motion& step_in(const SimulatedScene& scene, const Pose2& motion) { return seen(scene, motion, kPeriod_ns); }
 
   [[nodiscard]] Pose2 truth() const { return map_T_start_.inverse() * map_T_scan_; }
-  [[nodiscard]] Pose2 estimate() const { return last_.odom_T_scan; }
-  [[nodiscard]] const OdometryStep& last() const { return last_; }
+  [[nodiscard]] Pose2 estimate() const { return last_.odom_T_current; }
+  [[nodiscard]] const Motion& last() const { return last_; }
 
   void expect_on_track(double within_m, double within_rad) const {
     EXPECT_LT(truth().distance_m(estimate()), within_m);
@@ -46,7 +44,7 @@ class Drive {
   }
 
  private:
-  const OdometryStep& seen(const SimulatedScene& scene, const Pose2& motion, std::int64_t period_ns) {
+  const Motion& seen(const SimulatedScene& scene, const Pose2& motion, std::int64_t period_ns) {
     map_T_scan_ = map_T_scan_ * motion;
     stamp_ns_ += period_ns;
     last_ = odometry_.process(sweep(scene, laser_, map_T_scan_, rng_, stamp_ns_), {}, rng_);
@@ -58,9 +56,9 @@ class Drive {
   Pose2 map_T_start_;
   Pose2 map_T_scan_;
   std::int64_t stamp_ns_ = 1'000'000'000;
-  LaserOdometry odometry_{{}, {}, {}};
+  LaserOdometry odometry_{{}, {}, {}, {}};
   Rng rng_{1};
-  OdometryStep last_;
+  Motion last_;
 };
 
 // Straight legs of 1.6 m at 0.8 m/s and turns of 90 deg at 90 deg/s, around the middle of the room.
@@ -70,8 +68,8 @@ TEST(LaserOdometry, TracksStraightLegsAndFastTurns) {
   Drive drive(cluttered_room(), {-0.8, -1.2, 0.0});
   Pose2 composed;
   for (int i = 0; i < 200; ++i) {
-    const OdometryStep& step = drive.step(motion_of_square(i));
-    ASSERT_TRUE(step.matched);
+    const Motion& step = drive.step(motion_of_square(i));
+    ASSERT_TRUE(step.matched());
     EXPECT_EQ(step.to_stamp_ns - step.from_stamp_ns, kPeriod_ns);
     composed = composed * step.previous_T_current;
     ASSERT_LT(drive.truth().distance_m(drive.estimate()), 0.1) << i;
@@ -102,10 +100,10 @@ TEST(LaserOdometry, TracksOnWhenNothingOfTheStartIsInSight) {
 
 TEST(LaserOdometry, FirstScanIsTheOrigin) {
   const Drive drive(cluttered_room(), {0.5, 0.5, 2.0});
-  EXPECT_FALSE(drive.last().matched);
+  EXPECT_FALSE(drive.last().matched());
   EXPECT_EQ(drive.last().from_stamp_ns, drive.last().to_stamp_ns);
   EXPECT_EQ(drive.estimate().x_m, 0.0);
-  EXPECT_LT(drive.last().covariance.trace(), 1e-4);
+  EXPECT_LT(drive.last().covariance().trace(), 1e-4);
 }
 
 TEST(LaserOdometry, KeepsTrackAcrossAPauseOfTheData) {
@@ -113,8 +111,8 @@ TEST(LaserOdometry, KeepsTrackAcrossAPauseOfTheData) {
   for (int i = 0; i < 10; ++i) {
     drive.step(motion_of_square(i));
   }
-  const OdometryStep& step = drive.step({0.6, 0.1, 50.0 * kRadPerDeg}, 1'000'000'000);
-  EXPECT_TRUE(step.matched);
+  const Motion& step = drive.step({0.6, 0.1, 50.0 * kRadPerDeg}, 1'000'000'000);
+  EXPECT_TRUE(step.matched());
   EXPECT_EQ(step.to_stamp_ns - step.from_stamp_ns, 1'000'000'000);
   drive.expect_on_track(0.03, 0.5 * kRadPerDeg);
   for (int i = 0; i < 10; ++i) {
@@ -123,36 +121,36 @@ TEST(LaserOdometry, KeepsTrackAcrossAPauseOfTheData) {
   drive.expect_on_track(0.03, 0.5 * kRadPerDeg);
 }
 
-TEST(LaserOdometry, BlindScanLeavesThePredictionAndItsDoubt) {
+TEST(LaserOdometry, BlindScanLeavesThePredictionAndItsUncertainty) {
   Drive drive(cluttered_room(), {-0.8, -1.2, 0.0});
   for (int i = 0; i < 10; ++i) {
     drive.step(motion_of_square(i));
   }
-  const double seen_m2 = drive.last().covariance.trace();
+  const double seen_m2 = drive.last().covariance().trace();
   double foreseen_m = 0.08;  // as fast as before, and with every blind scan less surely so
   for (int i = 0; i < 4; ++i) {
-    const OdometryStep& blind = drive.step_blind({0.08, 0.0, 0.0});
-    EXPECT_FALSE(blind.matched);
+    const Motion& blind = drive.step_blind({0.08, 0.0, 0.0});
+    EXPECT_FALSE(blind.matched());
     EXPECT_NEAR(blind.previous_T_current.x_m, foreseen_m, 0.01);
     EXPECT_NEAR(blind.previous_T_current.yaw_rad, 0.0, 0.02);
-    EXPECT_GT(blind.covariance.trace(), seen_m2);
+    EXPECT_GT(blind.covariance().trace(), seen_m2);
     foreseen_m *= 0.5;
   }
   drive.step({0.08, 0.0, 0.0});
-  EXPECT_TRUE(drive.step({0.08, 0.0, 0.0}).matched);
+  EXPECT_TRUE(drive.step({0.08, 0.0, 0.0}).matched());
   drive.expect_on_track(0.03, 0.5 * kRadPerDeg);
 }
 
 TEST(LaserOdometry, BlindStartIsOverWithTheFirstScanThatSees) {
-  LaserOdometry odometry({}, {}, {});
+  LaserOdometry odometry({}, {}, {}, {});
   Rng rng(2);
   for (int i = 0; i < 10; ++i) {
     const Pose2 map_T_scan{0.05 * i, 0.0, 0.0};
     const ScanFrame scan = sweep(i < 4 ? SimulatedScene{} : cluttered_room(), {}, map_T_scan, rng, i * kPeriod_ns);
-    const OdometryStep step = odometry.process(scan, {}, rng);
-    EXPECT_EQ(step.matched, i > 4) << i;
+    const Motion step = odometry.process(scan, {}, rng);
+    EXPECT_EQ(step.matched(), i > 4) << i;
     if (i > 4) {
-      EXPECT_NEAR(step.odom_T_scan.x_m, 0.05 * (i - 4), 0.025);  // it is taken to stand until it is seen to move
+      EXPECT_NEAR(step.odom_T_current.x_m, 0.05 * (i - 4), 0.025);  // it is taken to stand until it is seen to move
     }
   }
 }
@@ -165,7 +163,7 @@ TEST(LaserOdometry, LongBlindnessDoesNotEmptyTheLocalMap) {
   for (int i = 0; i < 200; ++i) {
     drive.step_blind({});
   }
-  EXPECT_TRUE(drive.step({}).matched);
+  EXPECT_TRUE(drive.step({}).matched());
   for (int i = 0; i < 5; ++i) {
     drive.step({0.0, 0.0, 1.0 * kRadPerDeg});
   }
@@ -188,11 +186,11 @@ struct CorridorAxes {
 TEST(LaserOdometry, CorridorIsTrackedAcrossAndCalledWeakAlong) {
   Drive drive(corridor(), {0.0, 0.1, 0.0}, {.range_max_m = 8.0});
   for (int i = 0; i < 20; ++i) {
-    const OdometryStep& step = drive.step({0.1, 0.0, 0.01}, 2 * kPeriod_ns);
+    const Motion& step = drive.step({0.1, 0.0, 0.01}, 2 * kPeriod_ns);
     const CorridorAxes axes(0.01 * i);
-    ASSERT_TRUE(step.matched);
-    EXPECT_GT(axes.ratio_of_variances(step.covariance), 1.0);
-    EXPECT_LT(step.match.weak_information_1_m2, 20.0);
+    ASSERT_TRUE(step.matched());
+    EXPECT_GT(axes.ratio_of_variances(step.covariance()), 1.0);
+    EXPECT_LT(step.weak_information_1_m2, 20.0);
     EXPECT_NEAR(drive.truth().y_m, drive.estimate().y_m, 0.02);
     EXPECT_NEAR(drive.truth().yaw_rad, drive.estimate().yaw_rad, 0.5 * kRadPerDeg);
   }
@@ -200,9 +198,9 @@ TEST(LaserOdometry, CorridorIsTrackedAcrossAndCalledWeakAlong) {
 
 // Errors of a step over the deviations that it states, along and across the corridor, squared.
 struct SquaredErrors {
-  SquaredErrors(const OdometryStep& step, const Pose2& motion, const CorridorAxes& axes) {
+  SquaredErrors(const Motion& step, const Pose2& motion, const CorridorAxes& axes) {
     const Eigen::Vector2d error(step.previous_T_current.x_m - motion.x_m, step.previous_T_current.y_m - motion.y_m);
-    const Eigen::Matrix2d covariance = step.covariance.topLeftCorner<2, 2>();
+    const Eigen::Matrix2d covariance = step.covariance().topLeftCorner<2, 2>();
     along = std::pow(axes.along.dot(error), 2) / axes.along.dot(covariance * axes.along);
     across = std::pow(axes.across.dot(error), 2) / axes.across.dot(covariance * axes.across);
   }
@@ -237,15 +235,20 @@ TEST(LaserOdometry, ErrorsInACorridorAreWithinTwoStatedDeviations) {
 }
 
 // Where it was carried to, nothing is as before: what the first match makes of it is neither a speed nor a place.
-TEST(LaserOdometry, CarriedIntoAnotherSceneTracksOnThereAtOnce) {
+// Until the local map begins anew nothing is there to be matched: the speed of before is kept.
+TEST(LaserOdometry, CarriedIntoAnotherSceneTracksOnThereAfterThreeScans) {
   Drive drive(cluttered_room(), {-0.8, -1.2, 0.0});
   for (int i = 0; i < 60; ++i) {
-    EXPECT_FALSE(drive.step(motion_of_square(i)).jolted) << i;
+    EXPECT_FALSE(drive.step(motion_of_square(i)).has(kJolted)) << i;
   }
-  EXPECT_TRUE(drive.step_in(pillar_field(), motion_of_square(60)).jolted);
+  EXPECT_TRUE(drive.step_in(pillar_field(), motion_of_square(60)).has(kJolted));
   for (int i = 61; i < 90; ++i) {  // a leg and a turn
     const Pose2 motion = motion_of_square(i);
-    const OdometryStep& step = drive.step_in(pillar_field(), motion);
+    const Motion& step = drive.step_in(pillar_field(), motion);
+    if (i < 60 + LaserOdometryParams{}.poor_scans) {
+      EXPECT_TRUE(step.has(kJolted)) << i;
+      continue;
+    }
     ASSERT_LT(step.previous_T_current.distance_m(motion), 0.06) << i;
     ASSERT_LT(std::abs(wrap_angle(step.previous_T_current.yaw_rad - motion.yaw_rad)), 3.0 * kRadPerDeg) << i;
   }
@@ -289,7 +292,7 @@ TEST(LaserOdometry, MakesItsLocalMapWhileThereIsTimeToMakeUpForIt) {
   LaserOdometryParams params;
   params.key_distance_m = 0.0;                 // each scan is a key scan,
   params.local_map.fine = {0.01, 30.0, 0.05};  // and a local map takes much longer to make than a match
-  LaserOdometry odometry(params, {}, {});
+  LaserOdometry odometry(params, {}, {}, {});
   SimulatedRoom room(1, 400);
   Rng rng(1);
   std::vector<std::int64_t> before_ns;
@@ -297,9 +300,9 @@ TEST(LaserOdometry, MakesItsLocalMapWhileThereIsTimeToMakeUpForIt) {
   for (int i = 0; i < 20; ++i) {
     room.step();
     Spent spent;
-    const OdometryStep step = odometry.process(room.scan(), spent.endless(), rng);
+    const Motion step = odometry.process(room.scan(), spent.endless(), rng);
     if (i > 0) {
-      ASSERT_TRUE(step.matched);
+      ASSERT_TRUE(step.matched());
       before_ns.push_back(spent.first_asked_ns - spent.begin_ns);
       after_ns.push_back(thread_cpu_ns() - spent.last_asked_ns);
     }

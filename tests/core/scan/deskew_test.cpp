@@ -92,7 +92,7 @@ TEST(Deskew, TheMatchersOwnVelocityWillDo) {
   Pose2 map_T_scan{-0.8, -1.2, 0.3};
   resting.sweep(map_T_scan, 0, scan);
   const double at_rest_m = resting.crookedness_m(scan, map_T_scan);
-  LaserOdometry odometry({}, {}, {});
+  LaserOdometry odometry({}, {}, {}, {});
   Rng rng(1);
   constexpr int kScans = 40;
   constexpr int kFirst = 6;  // the odometry starts at rest

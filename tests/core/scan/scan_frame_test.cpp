@@ -29,6 +29,20 @@ TEST(ScanFrame, ClassifiesEveryKindOfBeam) {
   EXPECT_EQ(frame.stamp_ns(), 7);
 }
 
+TEST(ScanFrame, BearsItsStampAsTimeUntilItIsToldABetterOne) {
+  const std::array<float, 3> ranges_m{2.0F, 3.0F, 4.0F};
+  ScanFrame frame(ScanParams{});
+  ASSERT_EQ(frame.assign(raw(ranges_m)), Errc::kOk);
+  EXPECT_EQ(frame.time_ns(), 7);
+  EXPECT_EQ(frame.time_sd_s(), 0.0);
+  frame.set_time({.time_ns = 9, .sd_s = 0.5});
+  EXPECT_EQ(frame.stamp_ns(), 7);
+  EXPECT_EQ(frame.time_ns(), 9);
+  EXPECT_EQ(frame.time_sd_s(), 0.5);
+  ASSERT_EQ(frame.assign(raw(ranges_m)), Errc::kOk);
+  EXPECT_EQ(frame.time_ns(), 7) << "the next scan's time is its own";
+}
+
 TEST(ScanFrame, PlacesPointsByStartAngleAndStep) {
   const std::array<float, 3> ranges_m{2.0F, 3.0F, 4.0F};
   ScanFrame frame(ScanParams{});

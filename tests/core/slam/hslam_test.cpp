@@ -40,8 +40,8 @@ class LowRun {
     segment_.clear();
     while (!segment_.full()) {
       room_.step();
-      static_cast<void>(low_.update(room_.increment(), room_.scan()));
-      segment_.add(room_.increment(), room_.scan());
+      static_cast<void>(low_.update(room_.motion(), room_.scan()));
+      segment_.add(room_.motion(), room_.scan());
     }
     segment_.close(low_);
     return segment_;

@@ -43,11 +43,11 @@ void expect_same_path(const std::vector<StampedPose>& path, const std::vector<St
 }
 
 /// Of a tracker that is a little off, and of whose speed something is carried on.
-MotionError doubt() {
-  MotionError error = MotionError::independent(Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal());
-  error.carried.topLeftCorner<3, 3>() *= 0.5;
-  error.carried(0, 3) = 0.1;
-  error.carried(3, 3) = 0.9;
+ErrorProcess uncertainty() {
+  ErrorProcess error = ErrorProcess::independent({}, Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal());
+  error.transition.topLeftCorner<3, 3>() *= 0.5;
+  error.transition(0, 3) = 0.1;
+  error.transition(3, 3) = 0.9;
   error.noise(3, 3) = 0.01;
   return error;
 }
@@ -77,10 +77,10 @@ TEST_P(LslamOracle, GivesTheBitsOfParticlesThatEachCopyTheirMap) {
       lslam.set_particles(wanted);
       plain.set_particles(wanted);
     }
-    MotionIncrement increment = room.increment();
-    increment.error = doubt();
-    const UpdateReport report = lslam.update(increment, room.scan());
-    plain.update(increment, room.scan());
+    Motion motion = room.motion();
+    motion.set_error(uncertainty());
+    const UpdateReport report = lslam.update(motion, room.scan());
+    plain.update(motion, room.scan());
     ASSERT_EQ(report.resampled, plain.resampled());
     ASSERT_EQ(report.refused_tiles, 0);
     resamplings += report.resampled ? 1 : 0;

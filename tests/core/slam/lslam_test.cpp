@@ -36,10 +36,10 @@ TEST(Lslam, StaysOnTrackWhereTheIncrementsAloneDriftAway) {
   constexpr int kUpdates = 250;
   for (int i = 0; i < kUpdates; ++i) {
     room.step();
-    MotionIncrement increment = room.increment();
-    increment.previous_T_current = increment.previous_T_current * Pose2{0.002, -0.001, 0.002};  // a match with a bias
-    dead_reckoned = i == 0 ? Pose2{} : dead_reckoned * increment.previous_T_current;
-    static_cast<void>(lslam.update(increment, room.scan()));
+    Motion motion = room.motion();
+    motion.previous_T_current = motion.previous_T_current * Pose2{0.002, -0.001, 0.002};  // a match with a bias
+    dead_reckoned = i == 0 ? Pose2{} : dead_reckoned * motion.previous_T_current;
+    static_cast<void>(lslam.update(motion, room.scan()));
     filter_error_m += lslam.estimate().map_T_scan.distance_m(room.map_T_scan()) / kUpdates;
     drift_m = std::max(drift_m, dead_reckoned.distance_m(room.map_T_scan()));
   }
@@ -54,7 +54,7 @@ TEST(Lslam, GivesTheSameForTheSameSeedAndAnotherForAnother) {
     SimulatedRoom room(4);
     for (int i = 0; i < 30; ++i) {
       room.step();
-      static_cast<void>(lslam.update(room.increment(), room.scan()));
+      static_cast<void>(lslam.update(room.motion(), room.scan()));
     }
     return all_numbers(lslam);
   };
@@ -67,14 +67,14 @@ TEST(Lslam, TakesItsFirstScanFromWhereItWasReset) {
   SimulatedRoom room(4);
   for (int i = 0; i < 10; ++i) {
     room.step();
-    static_cast<void>(lslam.update(room.increment(), room.scan()));
+    static_cast<void>(lslam.update(room.motion(), room.scan()));
   }
   const Pose2 start{1.0, -0.5, 0.7};
   lslam.reset(start);
   EXPECT_EQ(lslam.particles(), 1);
   EXPECT_EQ(lslam.tiles_used(), 0);
   room.step();
-  const UpdateReport report = lslam.update(room.increment(), room.scan());
+  const UpdateReport report = lslam.update(room.motion(), room.scan());
   EXPECT_TRUE(report.resampled);
   EXPECT_EQ(lslam.particles(), 40);
   for (int i = 0; i < lslam.particles(); ++i) {
@@ -94,15 +94,15 @@ TEST(Lslam, PromisesNoTravelOnceItsSpeedIsForgotten) {
     SimulatedRoom room(4);
     for (int i = 0; i < 10; ++i) {
       room.step();
-      static_cast<void>(lslam.update(room.increment(), room.scan()));
+      static_cast<void>(lslam.update(room.motion(), room.scan()));
     }
     if (forget) {
       lslam.forget_speed();
     }
     room.step();
-    MotionIncrement increment = room.increment();
-    increment.to_stamp_ns = increment.from_stamp_ns + 100'000'000'000;
-    return lslam.update(increment, room.scan()).lambda_m;
+    Motion motion = room.motion();
+    motion = Motion::between(motion.from_stamp_ns, motion.from_stamp_ns + 100'000'000'000, motion.previous_T_current);
+    return lslam.update(motion, room.scan()).lambda_m;
   };
   EXPECT_GT(promised_m(false), 5.0);
   EXPECT_EQ(promised_m(true), 0.0);
@@ -115,7 +115,7 @@ TEST(Lslam, HasWeightsOfSumOneAndNamesTheHeaviestBest) {
   SimulatedRoom room(4);
   for (int i = 0; i < 20; ++i) {
     room.step();
-    const UpdateReport report = lslam.update(room.increment(), room.scan());
+    const UpdateReport report = lslam.update(room.motion(), room.scan());
     double sum = 0.0;
     for (int k = 0; k < lslam.particles(); ++k) {
       sum += lslam.weight(k);
@@ -139,7 +139,7 @@ TEST(Lslam, HasFewerParticlesAtOnceAndMoreWithTheNextResampling) {
   const auto particles_after = [&](int wanted) {
     lslam.set_particles(wanted);
     room.step();
-    static_cast<void>(lslam.update(room.increment(), room.scan()));
+    static_cast<void>(lslam.update(room.motion(), room.scan()));
     return lslam.particles();
   };
   EXPECT_EQ(particles_after(30), 30);
@@ -164,8 +164,8 @@ TEST(Lslam, KeepsTheBestThroughAResampling) {
   SimulatedRoom room(4);
   for (int i = 0; i < 2; ++i) {  // the second update is the first that weighs; until then both are the same
     room.step();
-    static_cast<void>(weighs.update(room.increment(), room.scan()));
-    static_cast<void>(resamples.update(room.increment(), room.scan()));
+    static_cast<void>(weighs.update(room.motion(), room.scan()));
+    static_cast<void>(resamples.update(room.motion(), room.scan()));
   }
   EXPECT_EQ(resamples.pose(resamples.best()).x_m, weighs.pose(weighs.best()).x_m);
   std::vector<StampedPose> path;
@@ -177,12 +177,12 @@ TEST(Lslam, MovesAndKeepsItsWeightsWhenAScanSaysNothing) {
   Lslam lslam(room_filter(), 1);
   SimulatedRoom room(4);
   room.step();
-  static_cast<void>(lslam.update(room.increment(), room.scan()));
+  static_cast<void>(lslam.update(room.motion(), room.scan()));
   ScanFrame blind(ScanParams{});
   const std::vector<float> nothing(60, 0.0F);
   ASSERT_EQ(blind.assign({.stamp_ns = 1, .start_angle_rad = 0.0, .angle_step_rad = 0.1, .ranges_m = nothing}),
             Errc::kOk);
-  const UpdateReport report = lslam.update({.to_stamp_ns = 1, .previous_T_current = {0.5, 0.0, 0.0}}, blind);
+  const UpdateReport report = lslam.update(Motion::between(0, 1, {0.5, 0.0, 0.0}), blind);
   EXPECT_EQ(report.beams_weighed, 0);
   EXPECT_NEAR(report.effective_particles, 40.0, 1e-9);
   EXPECT_NEAR(lslam.estimate().map_T_scan.x_m, 0.5, 0.05);
@@ -199,15 +199,17 @@ TEST(Lslam, EstimatesMeanAndCovarianceOfTheParticlesAcrossTheWrapOfYaw) {
   const std::vector<float> nothing(8, 0.0F);
   ASSERT_EQ(blind.assign({.start_angle_rad = 0.0, .angle_step_rad = 0.1, .ranges_m = nothing}), Errc::kOk);
   static_cast<void>(lslam.update({}, blind));
-  MotionIncrement doubtful;
-  doubtful.error.noise(0, 0) = 0.2 * 0.2;
-  static_cast<void>(lslam.update(doubtful, blind));
+  ErrorProcess uncertainty;
+  uncertainty.noise(0, 0) = 0.2 * 0.2;
+  Motion motion;
+  motion.set_error(uncertainty);
+  static_cast<void>(lslam.update(motion, blind));
   const PoseEstimate estimate = lslam.estimate();
   EXPECT_NEAR(std::abs(estimate.map_T_scan.yaw_rad), 3.141, 0.02);
   EXPECT_NEAR(estimate.map_T_scan.x_m, 1.0, 0.03);
   EXPECT_NEAR(std::sqrt(estimate.covariance(0, 0)), 0.2, 0.02);
   EXPECT_NEAR(std::sqrt(estimate.covariance(2, 2)), 0.1, 0.01);
-  EXPECT_NEAR(std::sqrt(estimate.covariance(1, 1)), std::hypot(0.02 / 3.0, 0.2 * 0.1), 0.002);  // the doubt turns along
+  EXPECT_NEAR(std::sqrt(estimate.covariance(1, 1)), std::hypot(0.02 / 3.0, 0.2 * 0.1), 0.002);  // the error turns along
 }
 
 TEST(Lslam, DropsParticlesForRoomWhenThePoolIsFullAndStaysOnTrack) {
@@ -219,7 +221,7 @@ TEST(Lslam, DropsParticlesForRoomWhenThePoolIsFullAndStaysOnTrack) {
   bool was_refused = false;
   for (int i = 0; i < 150; ++i) {
     room.step();
-    const UpdateReport report = lslam.update(room.increment(), room.scan());
+    const UpdateReport report = lslam.update(room.motion(), room.scan());
     EXPECT_TRUE(report.resampled || !was_refused);
     was_refused = report.refused_tiles > 0;
     refused += report.refused_tiles;
@@ -248,10 +250,10 @@ TEST(Lslam, GivesUpAtTheDeadlineWhatItHasNotWeighedOrMapped) {
     Lslam lslam(params, 1);
     SimulatedRoom room(4, 120);
     room.step();
-    static_cast<void>(lslam.update(room.increment(), room.scan()));
+    static_cast<void>(lslam.update(room.motion(), room.scan()));
     room.step();
     const AskedOften deadline(asked);
-    const UpdateReport report = lslam.update(room.increment(), room.scan(), deadline.view());
+    const UpdateReport report = lslam.update(room.motion(), room.scan(), deadline.view());
     EXPECT_EQ(report.unweighed_particles, std::max(0, params.particles - 1 - asked));
     EXPECT_TRUE(report.resampled || asked >= params.particles - 1);
     EXPECT_LE(report.unmapped_particles, params.particles - 1);
@@ -267,7 +269,7 @@ TEST(Lslam, StaysOnTrackWhereTheDeadlineEndsEveryOtherUpdate) {
   for (int i = 0; i < 150; ++i) {
     room.step();
     const AskedOften deadline(i % 2 == 0 ? 1000 : 10 + i % 50);
-    const UpdateReport report = lslam.update(room.increment(), room.scan(), deadline.view());
+    const UpdateReport report = lslam.update(room.motion(), room.scan(), deadline.view());
     unweighed += report.unweighed_particles;
     unmapped += report.unmapped_particles;
   }
@@ -283,7 +285,7 @@ TEST(Lslam, WithADeadlineThatIsNotReachedGivesTheBitsOfNone) {
     for (int i = 0; i < 20; ++i) {
       room.step();
       const AskedOften deadline(1000);
-      static_cast<void>(lslam.update(room.increment(), room.scan(), with_deadline ? deadline.view() : Deadline{}));
+      static_cast<void>(lslam.update(room.motion(), room.scan(), with_deadline ? deadline.view() : Deadline{}));
     }
     return all_numbers(lslam);
   };
@@ -296,7 +298,7 @@ TEST(Lslam, CountsWhatLiesOutsideOfItsGrid) {
   Lslam lslam(params, 1);
   SimulatedRoom room(4);
   room.step();
-  EXPECT_GT(lslam.update(room.increment(), room.scan()).outside_tiles, 0);
+  EXPECT_GT(lslam.update(room.motion(), room.scan()).outside_tiles, 0);
 }
 
 TEST(Lslam, MapsTheRoomsWallsAndItsInside) {
@@ -304,7 +306,7 @@ TEST(Lslam, MapsTheRoomsWallsAndItsInside) {
   SimulatedRoom room(4, 300);
   for (int i = 0; i < 60; ++i) {
     room.step();
-    static_cast<void>(lslam.update(room.increment(), room.scan()));
+    static_cast<void>(lslam.update(room.motion(), room.scan()));
   }
   OccupancyMap map;
   lslam.write_occupancy(map);

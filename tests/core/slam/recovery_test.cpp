@@ -11,7 +11,6 @@ namespace odoless {
 namespace {
 
 constexpr int kBeams = 120;
-constexpr double kPeriod_s = 0.1;
 constexpr ScanParams kScan{.beams_max = kBeams, .range_max_m = 20.0};
 
 SlamParams small_slam() {
@@ -29,25 +28,23 @@ class RecoveryTest : public ::testing::Test {
     for (int i = 0; i < 2 * params_.tracking.updates_min; ++i) {
       room_.step();
       EXPECT_TRUE(i == 0 || advice() == Advice::kGoOn) << i;
-      recovery_.note(slam_.update(room_.increment(), room_.scan()), slam_.particles());
+      static_cast<void>(slam_.update(room_.motion(), room_.scan()));
+      recovery_.note_update();
     }
     room_.step();
   }
 
   Advice advice() {
-    const Pose2& step = room_.increment().previous_T_current;
-    return recovery_.process(slam_, {.scan = room_.scan(),
-                                     .update_T_scan = step,
-                                     .previous_T_current = step,
-                                     .period_s = kPeriod_s,
-                                     .weak_information_1_m2 = 2.0 * params_.tracking.weak_information_1_m2});
+    const Motion motion = room_.motion();
+    return recovery_.process(slam_,
+                             {.scan = room_.scan(), .update_T_scan = motion.previous_T_current, .motion = motion});
   }
 
   double fit_of(int particle) {
     Lslam& low = slam_.low();
     ScanFit fit(low.params().beam, params_.tracking.fit_sigma_m, low.geometry().resolution_m, low.params().beams_used);
     EXPECT_GT(fit.load(room_.scan()), 0);
-    return fit.of(low.map(particle), low.geometry(), low.pose(particle) * room_.increment().previous_T_current);
+    return fit.of(low.map(particle), low.geometry(), low.pose(particle) * room_.motion().previous_T_current);
   }
 
   double best_fit() {
@@ -74,7 +71,7 @@ TEST_F(RecoveryTest, TakesTheBestParticlesFitWhereThatIsGood) {
 TEST_F(RecoveryTest, LeavesTheScanToAFilterWhoseBestParticleAloneIsWrong) {
   slam_.set_pose(slam_.map_T_scan(), {.sd_m = 0.7, .sd_rad = 0.5});
   ASSERT_LT(fit_of(slam_.low().best()), params_.tracking.fit_min);
-  ASSERT_GT(best_fit(), 2.0 * params_.tracking.suspect_fit_min);
+  ASSERT_GT(best_fit(), 2.0 * params_.tracking.fit_min);
   EXPECT_EQ(advice(), Advice::kGoOn);
   EXPECT_EQ(recovery_.fit(), best_fit());
 }
@@ -85,6 +82,33 @@ TEST_F(RecoveryTest, HoldsAScanThatFitsNoParticle) {
   ASSERT_LT(best_fit(), params_.tracking.fit_min);
   EXPECT_EQ(advice(), Advice::kHold);
   EXPECT_EQ(recovery_.fit(), best_fit());
+}
+
+TEST_F(RecoveryTest, IsSureUntilAStepIsNotCredible) {
+  EXPECT_EQ(advice(), Advice::kGoOn);
+  EXPECT_EQ(recovery_.state(), Tracking::kSure);
+  EXPECT_GT(recovery_.probability(), 0.98);
+  Motion motion = room_.motion();
+  motion.probability = 0.6;
+  static_cast<void>(
+      recovery_.process(slam_, {.scan = room_.scan(), .update_T_scan = motion.previous_T_current, .motion = motion}));
+  EXPECT_EQ(recovery_.state(), Tracking::kDoubtful);
+  EXPECT_LT(recovery_.probability(), 0.7);
+}
+
+TEST_F(RecoveryTest, IsLostAfterAStepThatIsSurelyWrongAndMapsNothing) {
+  Motion motion = room_.motion();
+  motion.probability = 0.05;
+  EXPECT_EQ(
+      recovery_.process(slam_, {.scan = room_.scan(), .update_T_scan = motion.previous_T_current, .motion = motion}),
+      Advice::kHold);
+  EXPECT_EQ(recovery_.state(), Tracking::kLost);
+  EXPECT_EQ(recovery_.probability(), 0.0);
+}
+
+TEST_F(RecoveryTest, IsNotSureWhereTheParticlesDoNotAgree) {
+  EXPECT_EQ(recovery_.state(0.5), Tracking::kDoubtful);
+  EXPECT_EQ(recovery_.state(1.0), Tracking::kSure);
 }
 
 }  // namespace

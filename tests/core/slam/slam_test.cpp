@@ -32,8 +32,8 @@ TEST(Slam, IsTheLowLevelAloneWhereTheHighOneIsOff) {
   SimulatedRoom room(4, 120);
   for (int i = 0; i < 30; ++i) {
     room.step();
-    static_cast<void>(slam.update(room.increment(), room.scan()));
-    static_cast<void>(low.update(room.increment(), room.scan()));
+    static_cast<void>(slam.update(room.motion(), room.scan()));
+    static_cast<void>(low.update(room.motion(), room.scan()));
     slam.work();
     ASSERT_TRUE(same_pose(slam.map_T_scan(), low.pose(low.best())));
   }
@@ -51,7 +51,7 @@ TEST(Slam, WithBothLevelsHasAPosePerUpdateAndStaysOnTrack) {
   for (int i = 0; i < 100; ++i) {
     room.step();
     truth.push_back(room.map_T_scan());
-    static_cast<void>(slam.update(room.increment(), room.scan()));
+    static_cast<void>(slam.update(room.motion(), room.scan()));
     slam.work();
     ASSERT_LT(slam.map_T_scan().distance_m(room.map_T_scan()), 0.25) << i;
     const PoseEstimate estimate = slam.estimate();
@@ -76,7 +76,7 @@ TEST(Slam, SegmentsAreDoneBeforeTheNextEndsIfWorkIsCalledOncePerUpdate) {
   SimulatedRoom room(4, 120);
   for (int i = 1; i <= 60; ++i) {
     room.step();
-    static_cast<void>(slam.update(room.increment(), room.scan()));
+    static_cast<void>(slam.update(room.motion(), room.scan()));
     slam.work();
     EXPECT_GE(slam.high()->report().segments, i / 6 - 1) << i;
     EXPECT_TRUE(i % 6 != 5 || slam.high()->idle()) << i;
@@ -89,7 +89,7 @@ TEST(Slam, IsPutWhereTheUserSays) {
     SimulatedRoom room(4, 120);
     for (int i = 0; i < 20; ++i) {
       room.step();
-      static_cast<void>(slam.update(room.increment(), room.scan()));
+      static_cast<void>(slam.update(room.motion(), room.scan()));
       slam.work();
     }
     const Pose2 put{1.0, 0.5, -2.0};

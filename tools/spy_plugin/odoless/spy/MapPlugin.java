@@ -11,7 +11,8 @@ import lcm.lcm.LCM;
 import lcm.spy.ChannelData;
 import lcm.spy.SpyPlugin;
 import odoless.map_tile_t;
-import odoless.pose_covariance_t;
+import odoless.motion_t;
+import odoless.pose_estimate_t;
 
 /** Makes lcm-spy offer a window with map, path and scan for any channel that has to do with them. */
 public final class MapPlugin implements SpyPlugin {
@@ -20,7 +21,8 @@ public final class MapPlugin implements SpyPlugin {
   @Override
   public boolean canHandle(long fingerprint) {
     return fingerprint == map_tile_t.LCM_FINGERPRINT
-        || fingerprint == pose_covariance_t.LCM_FINGERPRINT
+        || fingerprint == motion_t.LCM_FINGERPRINT
+        || fingerprint == pose_estimate_t.LCM_FINGERPRINT
         || fingerprint == pose_t.LCM_FINGERPRINT
         || fingerprint == planar_lidar_t.LCM_FINGERPRINT;
   }

@@ -1,4 +1,4 @@
-#include "core/motion/motion_error.hpp"
+#include "core/motion/error_process.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,38 +9,38 @@ namespace {
 
 constexpr int kDraws = 40'000;
 
-MotionError::Matrix random_matrix(Rng& rng) {
-  MotionError::Matrix m;
+ErrorProcess::Matrix random_matrix(Rng& rng) {
+  ErrorProcess::Matrix m;
   for (int i = 0; i < m.size(); ++i) {
     m(i) = rng.normal();
   }
   return m;
 }
 
-MotionError random_error(Rng& rng) {
-  const MotionError::Matrix root = random_matrix(rng);
-  return {0.5 * random_matrix(rng), root * root.transpose()};
+ErrorProcess random_process(Rng& rng) {
+  const ErrorProcess::Matrix root = random_matrix(rng);
+  return {ErrorProcess::Matrix::Zero(), 0.5 * random_matrix(rng), root * root.transpose()};
 }
 
-TEST(MotionError, RootSquaresToTheCovarianceEvenWhereItIsSingular) {
+TEST(ErrorProcess, RootSquaresToTheCovarianceEvenWhereItIsSingular) {
   Rng rng(1);
   for (int i = 0; i < 100; ++i) {
-    MotionError::Matrix root = random_matrix(rng);
+    ErrorProcess::Matrix root = random_matrix(rng);
     if (i % 2 == 1) {
-      root.row(i % MotionError::kSize).setZero();
+      root.row(i % ErrorProcess::kSize).setZero();
     }
-    const MotionError::Matrix covariance = root * root.transpose();
-    const MotionError::Matrix found = root_of(covariance);
+    const ErrorProcess::Matrix covariance = root * root.transpose();
+    const ErrorProcess::Matrix found = root_of(covariance);
     EXPECT_LT((found * found.transpose() - covariance).norm(), 1e-9);
   }
-  EXPECT_EQ(root_of(MotionError::Matrix::Zero()), MotionError::Matrix::Zero());
+  EXPECT_EQ(root_of(ErrorProcess::Matrix::Zero()), ErrorProcess::Matrix::Zero());
 }
 
-TEST(MotionError, DrawnOverTwoMotionsSpreadsAsTheirSumSays) {
+TEST(ErrorProcess, DrawnOverTwoMotionsSpreadsAsTheirSumSays) {
   Rng rng(2);
-  const MotionError first = random_error(rng);
-  const MotionError second = random_error(rng);
-  const MotionError both = first.then(second);
+  const ErrorProcess first = random_process(rng);
+  const ErrorProcess second = random_process(rng);
+  const ErrorProcess both = first.then(second);
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (int i = 0; i < kDraws; ++i) {
     DrawnError error;
@@ -54,17 +54,17 @@ TEST(MotionError, DrawnOverTwoMotionsSpreadsAsTheirSumSays) {
   EXPECT_LT((covariance - expected).norm(), 0.05 * expected.norm());
 }
 
-TEST(MotionError, OneThatTheSceneMendsGoesAwayAndOneOfTheSpeedGrows) {
+TEST(ErrorProcess, OneThatTheSceneMendsGoesAwayAndOneOfTheSpeedGrows) {
   Rng rng(3);
-  MotionError mended;
-  mended.carried.setZero();
-  MotionError slipped;
-  slipped.carried(0, 3) = 0.2;  // 0.2 s
-  MotionError::Matrix root = MotionError::Matrix::Zero();
+  ErrorProcess mended;
+  mended.transition.setZero();
+  ErrorProcess slipped;
+  slipped.transition(0, 3) = 0.2;  // 0.2 s
+  ErrorProcess::Matrix root = ErrorProcess::Matrix::Zero();
   root(3, 3) = 1.0;
   DrawnError error;
-  error.advance(MotionError{}, root, rng);
-  const MotionError::Matrix none = MotionError::Matrix::Zero();
+  error.advance(ErrorProcess{}, root, rng);
+  const ErrorProcess::Matrix none = ErrorProcess::Matrix::Zero();
   error.advance(slipped, none, rng);
   const double once_m = error.pose().x_m;
   EXPECT_NE(once_m, 0.0);
@@ -76,9 +76,9 @@ TEST(MotionError, OneThatTheSceneMendsGoesAwayAndOneOfTheSpeedGrows) {
   EXPECT_EQ(error.pose().x_m, 0.0);
 }
 
-TEST(MotionError, IndependentOnesAddUp) {
+TEST(ErrorProcess, IndependentOnesAddUp) {
   const Eigen::Matrix3d covariance = Eigen::Vector3d(0.01, 0.02, 0.03).asDiagonal();
-  const MotionError step = MotionError::independent(covariance);
+  const ErrorProcess step = ErrorProcess::independent({}, covariance);
   EXPECT_TRUE((step.then(step).noise.topLeftCorner<3, 3>()).isApprox(2.0 * covariance));
 }
 

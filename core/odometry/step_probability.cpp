@@ -1,0 +1,39 @@
+#include "core/odometry/step_probability.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odoless {
+namespace {
+
+constexpr double kLocal_map_m = 8.0;    // way at full speed after which two of three robots have left it
+constexpr double kLeft_max = 0.97;      // it may as well have stood still
+constexpr double kNeutral_share = 0.7;  // of the usual score, that right and wrong matches have alike often
+constexpr double kEvidence_per_share = 12.0;
+constexpr double kCarried = 0.5;  // that a robot which was carried is not where its local map reaches
+constexpr double kEvidence_min = -2.5;
+constexpr double kEvidence_max = 5.0;
+
+// A robot seldom goes straight on at full speed: in a short time hardly any leaves, in a long one nearly all do.
+double probability_of_leaving(const RobotLimits& limits, const StepSigns& signs) {
+  const double way = limits.speed_max_mps * (signs.period_s + 0.5 * signs.period_sd_s) / kLocal_map_m;
+  return -kLeft_max * std::expm1(-way * way * way);
+}
+
+// Natural logarithm of how much oftener right matches have this score than wrong ones.
+double evidence_of(const StepSigns& signs) {
+  if (!signs.matched || signs.score_share <= 0.0) {
+    return 0.0;
+  }
+  return std::clamp(kEvidence_per_share * (signs.score_share - kNeutral_share), kEvidence_min, kEvidence_max);
+}
+
+}  // namespace
+
+double step_probability(const RobotLimits& limits, const StepSigns& signs) {
+  const double left = std::max(probability_of_leaving(limits, signs), signs.is_within_limits ? 0.0 : kCarried);
+  const double stayed = (1.0 - left) * std::exp(evidence_of(signs));
+  return stayed / (stayed + left);
+}
+
+}  // namespace odoless

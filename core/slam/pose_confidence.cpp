@@ -1,0 +1,63 @@
+#include "core/slam/pose_confidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odoless {
+namespace {
+
+constexpr double kLeast = 1e-9;            // no state is ever impossible
+constexpr double kDrifted_evidence = 0.5;  // a drifted pose fits what was mapped since, and not what was mapped before
+
+}  // namespace
+
+void PoseConfidence::find() {
+  right_ = params_.found_probability;
+  drifted_ = 0.0;
+  jumped_ = 1.0 - right_;
+}
+
+void PoseConfidence::contradict() {
+  right_ *= std::exp(-params_.elsewhere);
+  drifted_ *= std::exp(-params_.elsewhere);
+  normalise();
+}
+
+void PoseConfidence::lose_track() {
+  right_ = 0.5;
+  drifted_ = 0.5;
+  jumped_ = 0.0;
+}
+
+void PoseConfidence::move(double step_probability, double travel_m, double period_s) {
+  const double wrong = 1.0 - std::clamp(step_probability, 0.0, 1.0);
+  const double drifting = std::min(1.0, params_.drift_per_m * travel_m) * right_;
+  const double mending = std::min(1.0, params_.mend_per_s * period_s) * drifted_;
+  right_ += mending - drifting;
+  drifted_ += drifting - mending;
+  jumped_ += wrong * (right_ + drifted_);
+  right_ *= 1.0 - wrong;
+  drifted_ *= 1.0 - wrong;
+  normalise();
+}
+
+void PoseConfidence::observe(double fit_share, double known_share, double span_s) {
+  const double weight = known_share * std::min(1.0, span_s / params_.evidence_period_s);
+  const double evidence =
+      std::clamp(params_.evidence_per_fit * (fit_share - params_.neutral_fit), -params_.against_max, params_.for_max);
+  right_ *= std::exp(weight * evidence);
+  drifted_ *= std::exp(kDrifted_evidence * weight * evidence);
+  normalise();
+}
+
+void PoseConfidence::normalise() {
+  right_ = std::max(right_, kLeast);
+  drifted_ = std::max(drifted_, kLeast);
+  jumped_ = std::max(jumped_, kLeast);
+  const double sum = right_ + drifted_ + jumped_;
+  right_ /= sum;
+  drifted_ /= sum;
+  jumped_ /= sum;
+}
+
+}  // namespace odoless

@@ -1,0 +1,81 @@
+#pragma once
+
+#include "core/base/parameters.hpp"
+
+namespace odoless {
+
+/// How fast trust in the pose goes and comes.
+struct ConfidenceParams {
+  double drift_per_m = 1e-3;
+  double mend_per_s = 0.005;
+  double neutral_fit = 0.75;
+  double evidence_per_fit = 5.0;
+  double for_max = 0.25;
+  double against_max = 1.0;
+  double elsewhere = 3.0;
+  double evidence_period_s = 0.2;
+  double found_probability = 0.5;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.value("drift_per_m", self.drift_per_m, Range{0.0, 1.0},
+                "Probability, per metre travelled, that the error grows beyond what OK allows.");
+    visit.value("mend_per_s", self.mend_per_s, Range{0.0, 10.0},
+                "Rate at which the filter mends a pose that drifted, once it sees the place again.");
+    visit.value(
+        "neutral_fit", self.neutral_fit, Range{0.0, 1.0},
+        "Fit of a scan to the map, as a share of the usual fit, that a right and a wrong pose have alike often.");
+    visit.value("evidence_per_fit", self.evidence_per_fit, Range{0.0, 100.0},
+                "Logarithm of the odds that one more unit of that share adds.");
+    visit.value("for_max", self.for_max, Range{0.0, 10.0},
+                "Most that one scan speaks for the pose: successive scans say much the same.");
+    visit.value("against_max", self.against_max, Range{0.0, 10.0}, "Most that one scan speaks against the pose.");
+    visit.value("elsewhere", self.elsewhere, Range{0.0, 20.0},
+                "How much speaks against the pose that a search of the map found another one, which alone fits.");
+    visit.value("evidence_period_s", self.evidence_period_s, Range{0.001, 10.0},
+                "Scans that follow each other faster count less, by their share of this time.");
+    visit.value("found_probability", self.found_probability, Range{0.01, 0.99},
+                "Probability that a relocalised pose is right, before further scans confirm it.");
+  }
+};
+
+/// Probability that the pose is right, as a hidden Markov model [rabiner1989hmm] of three states: the pose is right; it
+/// drifted beyond what OK allows, while tracking goes on, which the filter mends by itself when a loop closes; or it
+/// jumped, which only relocalisation mends. A step that is not certain to be right leads to the third state; each scan
+/// that is compared with the map is evidence for the first or against it.
+///
+/// Thread: owned by one thread. Real time: no allocation, constant time.
+class PoseConfidence {
+ public:
+  explicit PoseConfidence(const ConfidenceParams& params) : params_(params) {}
+
+  /// The pose is known.
+  void reset() { *this = PoseConfidence(params_); }
+  /// The robot was relocalised.
+  void find();
+  /// The whole map was searched, and another pose alone fits: drift does not lead there.
+  void contradict();
+  /// Nothing of the map will confirm the pose.
+  void lose_track();
+
+  /// @param step_probability  That the motion since the last scan is right within what OK allows.
+  void move(double step_probability, double travel_m, double period_s);
+  /// @param fit_share    Fit of the scan in what the map knows, over the usual one.
+  /// @param known_share  Share of the scan's beams that the map says anything of.
+  /// @param span_s       Time that the scan stands for.
+  void observe(double fit_share, double known_share, double span_s);
+
+  /// Probabilities; with that of a drifted pose they sum to 1.
+  [[nodiscard]] double right() const { return right_; }
+  [[nodiscard]] double jumped() const { return jumped_; }
+
+ private:
+  void normalise();
+
+  ConfidenceParams params_;
+  double right_ = 1.0;
+  double drifted_ = 0.0;
+  double jumped_ = 0.0;
+};
+
+}  // namespace odoless

@@ -1,0 +1,122 @@
+"""A live sample of the fault campaign: the daemon itself, an emulated laser with a fault, and the truth beside what the daemon says.
+
+    campaign_test.py FOLDER_OF_PROGRAMS ROOT_OF_SOURCES
+
+The times of the faults come from a random seed; tools/campaign has many more runs, without sockets.
+"""
+
+import bisect
+import math
+import random
+import signal
+import threading
+import time
+import unittest
+
+from support import DaemonCase, poses
+
+WRONG_M, WRONG_DEG, SILENT_S = 0.5, 5.0, 1.0
+OLD_S = 0.5  # an older pose says nothing of its own time
+PERIOD_S = 0.1
+
+
+def relative(a, b):
+    """a_T_b of two poses in one frame."""
+    c, s = math.cos(a[2]), math.sin(a[2])
+    x_m, y_m = b[0] - a[0], b[1] - a[1]
+    return c * x_m + s * y_m, -s * x_m + c * y_m, math.remainder(b[2] - a[2], 2.0 * math.pi)
+
+
+class Says:
+    """What the daemon answers, 10 times a second, and when."""
+
+    def __init__(self, ask):
+        self.ask, self.said, self.ends = ask, [], threading.Event()
+        self.thread = threading.Thread(target=self.listen)
+        self.thread.start()
+
+    def listen(self):
+        while not self.ends.wait(PERIOD_S):
+            try:
+                begin_s = time.time()
+                answer = self.ask("status")
+            except OSError:
+                continue
+            if time.time() - begin_s < PERIOD_S:  # else nobody knows of when it is
+                self.said.append((time.time(), answer.split(":")[0].split("\n")[0].strip()))
+
+    def end(self):
+        self.ends.set()
+        self.thread.join()
+        return self.said
+
+
+class Truth:
+    def __init__(self, path):
+        self.poses = poses(path)
+        self.stamps_us = sorted(self.poses)
+
+    def at(self, stamp_us):
+        after = min(bisect.bisect_left(self.stamps_us, stamp_us), len(self.stamps_us) - 1)
+        before = max(0, after - 1)
+        nearest = min((self.stamps_us[before], self.stamps_us[after]), key=lambda us: abs(us - stamp_us))
+        return self.poses[nearest]
+
+
+class CampaignTest(DaemonCase):
+    LASTS_S = 12.0
+
+    def longest_silent_s(self, said):
+        """How long it said OK at a stretch while its last pose was wrong."""
+        truth, online = Truth(self.path("truth.tum")), poses(self.path("out/trajectory_online.tum"))
+        stamps_us = sorted(online)
+        start = truth.at(stamps_us[0])
+        longest_s, since_s, right = 0.0, None, 0
+        for time_s, state in said:
+            last = bisect.bisect(stamps_us, round(time_s * 1e6)) - 1
+            if last < 0:
+                continue
+            stamp_us = stamps_us[last]
+            is_old = time_s - stamp_us * 1e-6 > OLD_S
+            true = relative(start, truth.at(round(time_s * 1e6) if is_old else stamp_us))
+            x_m, y_m, yaw_rad = relative(true, relative(online[stamps_us[0]], online[stamp_us]))
+            wrong = math.hypot(x_m, y_m) > WRONG_M or abs(math.degrees(yaw_rad)) > WRONG_DEG
+            right += not wrong
+            since_s = (since_s or time_s) if wrong and state == "OK" else None
+            longest_s = max(longest_s, time_s - since_s) if since_s else longest_s
+        self.assertGreater(right, 20, "the truth and the poses do not belong together")
+        return longest_s
+
+    def watch(self, *fault, meanwhile=lambda daemon: None):
+        self.start_laser("--truth", self.path("truth.tum"), "--start-delay-s", 1, *fault)
+        daemon = self.start_daemon()
+        self.wait_until_ok()
+        says = Says(self.answer)
+        meanwhile(daemon)
+        time.sleep(max(0.0, self.LASTS_S - PERIOD_S * len(says.said)))
+        said = says.end()
+        self.stop_in_time(daemon)
+        silent_s = self.longest_silent_s(said)
+        print(f"  {' '.join(map(str, fault)) or 'the daemon stopped'}: OK and wrong for {silent_s:.1f} s at a stretch")
+        self.assertLess(silent_s, SILENT_S)
+
+    def test_is_never_sure_of_a_wrong_pose_after_a_silence(self):
+        chance = random.Random(1)
+        self.watch("--fault", f"silence@{chance.uniform(3.0, 4.5):.1f}:{chance.uniform(2.0, 5.0):.1f}")
+
+    def test_is_never_sure_of_a_wrong_pose_after_garbage(self):
+        chance = random.Random(2)
+        self.watch("--fault", f"garbage@{chance.uniform(3.0, 4.5):.1f}:{chance.uniform(2.0, 5.0):.1f}")
+
+    def test_is_never_sure_of_a_wrong_pose_after_it_stood_still(self):
+        def stop_and_go(daemon):
+            time.sleep(4.5)
+            daemon.send_signal(signal.SIGSTOP)
+            time.sleep(3.0)
+            daemon.send_signal(signal.SIGCONT)
+
+        self.watch(meanwhile=stop_and_go)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=["campaign_test"], verbosity=2)
