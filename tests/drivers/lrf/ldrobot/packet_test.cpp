@@ -146,7 +146,7 @@ TEST(LdrobotPacket, WhatCannotBeIsRefusedThoughItsSumIsRight) {
     return read(bytes, 100).packets == 0;
   };
   EXPECT_TRUE(refused(4, 0xA0, 0x8C)) << "360.00 deg";
-  EXPECT_TRUE(refused(42, 0x00, 0x00)) << "half a turn in a packet, nearly";
+  EXPECT_TRUE(refused(42, 0x00, 0x30)) << "158.61 deg in a packet";
   EXPECT_FALSE(refused(42, 0x00, 0x83));
   EXPECT_TRUE(refused(2, 0x21, 0x1C)) << "7201 deg/s";
   EXPECT_TRUE(refused(44, 0x31, 0x75)) << "30001 ms";
