@@ -152,7 +152,7 @@ TEST_P(LrfContract, HearsNothingWrongInBytesThatAreOthers) {
   }
   expect_survived([&](std::string& bytes) {
     for (char& byte : bytes) {
-      byte = rng_.below(50) == 0 ? static_cast<char>(rng_.below(256)) : byte;
+      byte = rng_.below(20) == 0 ? static_cast<char>(rng_.below(256)) : byte;
     }
   });
 }
