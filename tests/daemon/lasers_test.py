@@ -32,7 +32,7 @@ class LasersTest(DaemonCase):
 
     def error_m(self, model):
         """Of the path as it was published at the time, after a drive (RMS)."""
-        laser = self.start_laser("--model", model, "--distortion", "--start-delay-s", "1", "--truth", self.path("truth.tum"))
+        laser = self.start_laser("--model", model, "--start-delay-s", "1", "--truth", self.path("truth.tum"))
         daemon = self.start_daemon("--enforce-realtime")
         self.wait_until_ok()
         time.sleep(DRIVE_S)
