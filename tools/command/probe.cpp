@@ -88,8 +88,8 @@ Errc ask(const std::string& address, const Protocol& protocol, const ProbeOption
   params.driver = protocol.driver;
   params.device = address;
   params.baud = options.baud != 0 ? options.baud : protocol.baud;
-  const Result<LrfAnswer> asked =
-      ask_lrf(params, std::llround(std::min(options.patience_s, protocol.patience_s) * 1e9));
+  const double patience_s = std::min(options.patience_s, protocol.patience_s);
+  const Result<LrfAnswer> asked = ask_lrf(params, std::llround(patience_s * 1e9));
   if (!asked.ok()) {
     fmt::print("#   no laser that speaks {} answers: {}\n", protocol.name, describe(asked.error()));
     return asked.error();
@@ -99,7 +99,7 @@ Errc ask(const std::string& address, const Protocol& protocol, const ProbeOption
     fmt::print("#   a laser that speaks {}: {}\n", protocol.name, sentence_of(answer));
   } else {
     fmt::print("#   a laser that speaks {}: it answers, but no scan came within {} s; does its motor turn?\n",
-               protocol.name, options.patience_s);
+               protocol.name, patience_s);
   }
   print_configuration(answer, alternative);
   return Errc::kOk;
