@@ -67,6 +67,7 @@ TEST(LdrobotSession, FindsTheStreamOfEveryModelAtItsRateAndHearsItsTurns) {
       bench.run(4 * kSecond);
       ASSERT_TRUE(bench.session().ready());
       EXPECT_EQ(bench.session().line_baud(), model.baud);
+      EXPECT_EQ(bench.session().geometry().range_max_m, model.range_far_m);
       EXPECT_EQ(bench.heard().events.size(), 1U) << "it is ready";
       EXPECT_GE(bench.heard().scans.size(), 34U);
       expect_scans_true(bench, kMs);

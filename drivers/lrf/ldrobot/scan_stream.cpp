@@ -10,7 +10,8 @@ namespace {
 constexpr std::int64_t kNominalTurnNs = 100'000'000;  ///< until one was seen
 constexpr double kKnownShareMin = 0.8;                ///< of the beams of a scan that is passed on
 constexpr double kRangeMinM = 0.02;
-constexpr double kRangeMaxM = 25.0;
+constexpr double kSlowRangeMaxM = 12.0;          ///< LD06, LD19
+constexpr double kQuickRangeMaxM = 25.0;         ///< STL-27L
 constexpr std::int64_t kSlowSampleNs = 222'222;  ///< LD06, LD19: 4500 a second
 constexpr std::int64_t kQuickSampleNs = 46'296;  ///< STL-27L: 21600 a second
 constexpr std::int64_t kGapMaxMs = 2'000;        ///< more are no lost packets: it has started anew
@@ -36,7 +37,7 @@ ScanStream::ScanStream(const LrfParams& params, int beams_max) : buffer_(beams_m
                .start_angle_rad = 0.0,
                .angle_step_rad = to_float_precision(-2.0 * std::numbers::pi / params.ldrobot_beams),
                .range_min_m = kRangeMinM,
-               .range_max_m = kRangeMaxM,
+               .range_max_m = kSlowRangeMaxM,
                .period_ns = kNominalTurnNs};
 }
 
@@ -48,6 +49,7 @@ Errc ScanStream::configure(const Packet& packet, int line_baud) {
   sample_ns_ = static_cast<double>(nominal_ns_);
   transfer_ns_ = line_baud == 0 ? 0 : static_cast<std::int64_t>(kPacketBytes) * 10 * 1'000'000'000 / line_baud;
   geometry_.period_ns = kNominalTurnNs;
+  geometry_.range_max_m = nominal_ns_ == kQuickSampleNs ? kQuickRangeMaxM : kSlowRangeMaxM;
   reader_.clear();
   turn_.clear();
   clock_.start();
