@@ -13,8 +13,9 @@ enum class LrfDriver : std::uint8_t {
   kLcm,      ///< no device: scans come over LCM
   kSick,     ///< telegrams of the SICK LMS2xx on a serial line
   kRplidar,  ///< Slamtec RPLIDAR, A series, on a serial line
+  kLdrobot,  ///< LDROBOT LD06, LD19, STL-27L, on a serial line
 };
-inline constexpr const char* kLrfDriverNames[] = {"scip", "lcm", "sick", "rplidar"};
+inline constexpr const char* kLrfDriverNames[] = {"scip", "lcm", "sick", "rplidar", "ldrobot"};
 
 /// What a laser is asked for.
 enum class LrfReading : std::uint8_t {
@@ -56,6 +57,7 @@ struct LrfParams {
   RplidarScan rplidar_scan = RplidarScan::kStandard;
   int rplidar_beams = 360;
   int rplidar_pwm = 0;
+  int ldrobot_beams = 450;
   std::int64_t reply_timeout_ns = 200'000'000;
   std::int64_t stall_timeout_ns = 500'000'000;
 
@@ -66,10 +68,10 @@ struct LrfParams {
     visit.text("device", self.device,
                "Where the laser is: a path, tcp://ADDRESS:PORT (numbers, no name), or usb://VENDOR:PRODUCT[/SERIAL].");
     visit.text("channel", self.channel, "Channel of the scans (planar_lidar_t) for the driver lcm.");
-    visit.value(
-        "baud", self.baud, Range{0, 4'000'000},
-        "Rate of the serial line, which Hokuyo and SICK lasers are switched to; 0: the one that the laser has "
-        "(USB has none). Of a SICK or RPLIDAR on tcp:// or usb://: what the far end's line has, for the stamps.");
+    visit.value("baud", self.baud, Range{0, 4'000'000},
+                "Rate of the serial line, which Hokuyo and SICK lasers are switched to; 0: the one that the laser has "
+                "(USB has none). Of a SICK, RPLIDAR or LDROBOT on tcp:// or usb://: what the far end's line has, for "
+                "the stamps.");
     visit.choice("reading", self.reading, kLrfReadingNames, "What the laser sends of each beam.");
     visit.value("cluster", self.cluster, Range{1, 99}, "Neighbouring beams that the laser joins to one, the nearest.");
     visit.value("skip", self.skip, Range{0, 9}, "Scans that the laser leaves out after each one that it sends.");
@@ -87,6 +89,9 @@ struct LrfParams {
     visit.value(
         "rplidar_pwm", self.rplidar_pwm, Range{0, 1023},
         "Duty of an RPLIDAR's motor, for models that take it as a command; 0: what the model needs (A2, A3: 660).");
+    visit.value("ldrobot_beams", self.ldrobot_beams, Range{90, 3600},
+                "Evenly spaced beams that a turn of an LDROBOT laser is given as; it has 450 points at 10 Hz (LD06, "
+                "LD19), or 2160 (STL-27L).");
     visit.value("reply_timeout_ns", self.reply_timeout_ns, Range<std::int64_t>{10'000'000, 10'000'000'000},
                 "Time for an answer while the laser is brought up.");
     visit.value("stall_timeout_ns", self.stall_timeout_ns, Range<std::int64_t>{50'000'000, 60'000'000'000},

@@ -3,6 +3,7 @@
 #include <sys/ioctl.h>
 
 #include "drivers/io/device_address.hpp"
+#include "drivers/lrf/ldrobot/ldrobot_session.hpp"
 #include "drivers/lrf/rplidar/rplidar_session.hpp"
 #include "drivers/lrf/scip/scip_session.hpp"
 #include "drivers/lrf/sick/sick_session.hpp"
@@ -21,6 +22,8 @@ std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_
       return std::make_unique<SickSession>(params, beams_max);
     case LrfDriver::kRplidar:
       return std::make_unique<RplidarSession>(params, beams_max);
+    case LrfDriver::kLdrobot:
+      return std::make_unique<LdrobotSession>(params, beams_max);
     case LrfDriver::kLcm:
       break;
   }

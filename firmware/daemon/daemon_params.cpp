@@ -9,9 +9,17 @@ namespace odoless {
 // How many beams a Hokuyo has, it says itself.
 std::string DaemonParams::contradiction() const {
   const int beams_max = robot.scan.beams_max;
-  if (lrf.driver == LrfDriver::kRplidar && lrf.rplidar_beams > beams_max) {
-    return fmt::format("lrf.rplidar_beams = {} is more than scan.beams_max = {}: make one smaller or the other larger",
-                       lrf.rplidar_beams, beams_max);
+  const auto too_many = [&](LrfDriver driver, const char* key, int beams) {
+    return lrf.driver != driver || beams <= beams_max
+               ? std::string()
+               : fmt::format("lrf.{} = {} is more than scan.beams_max = {}: make one smaller or the other larger", key,
+                             beams, beams_max);
+  };
+  for (const std::string& said : {too_many(LrfDriver::kRplidar, "rplidar_beams", lrf.rplidar_beams),
+                                  too_many(LrfDriver::kLdrobot, "ldrobot_beams", lrf.ldrobot_beams)}) {
+    if (!said.empty()) {
+      return said;
+    }
   }
   if (const int beams = sick::variant_of(lrf.sick_variant).beams();
       lrf.driver == LrfDriver::kSick && beams > beams_max) {

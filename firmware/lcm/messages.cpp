@@ -67,6 +67,7 @@ std::int16_t status_type(LrfDriver laser) {
     case LrfDriver::kSick:
       return bot_core::sensor_status_t::SICK_LASER;
     case LrfDriver::kRplidar:
+    case LrfDriver::kLdrobot:
     case LrfDriver::kLcm:
       break;
   }

@@ -60,7 +60,7 @@ void to_message(const CloudHealth& cloud, std::int64_t stamp_ns, cloud_health_t&
 void to_message(const MapTileRecord& tile, std::int32_t sequence, map_tile_t& message);
 /// `map_T_odom` of a pose.
 void to_message(const PoseRecord& pose, bot_core::rigid_transform_t& message);
-/// That the laser lives, as told by `health`. An RPLIDAR, and a source that nobody knows, have the type -1.
+/// That the laser lives, as told by `health`. Lasers that bot_core has no type for have -1.
 void to_message(const HealthReport& health, LrfDriver laser, bot_core::sensor_status_t& message);
 
 /// The scan's returns in the map, at most `kPointsMax`: with more, every second is left out, or two of three, and so

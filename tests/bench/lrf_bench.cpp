@@ -68,5 +68,22 @@ void BM_RplidarStandardStream(benchmark::State& state) {
 }
 BENCHMARK(BM_RplidarStandardStream)->Unit(benchmark::kMicrosecond);
 
+// 4500 points a second.
+void BM_LdrobotStream(benchmark::State& state) {
+  LrfParams params;
+  params.driver = LrfDriver::kLdrobot;
+  stream_for_a_while(state, "ld06", params);
+}
+BENCHMARK(BM_LdrobotStream)->Unit(benchmark::kMicrosecond);
+
+// 21600 points a second, as 2000 beams.
+void BM_LdrobotQuickStream(benchmark::State& state) {
+  LrfParams params;
+  params.driver = LrfDriver::kLdrobot;
+  params.ldrobot_beams = 2000;
+  stream_for_a_while(state, "stl-27l", params);
+}
+BENCHMARK(BM_LdrobotQuickStream)->Unit(benchmark::kMicrosecond);
+
 }  // namespace
 }  // namespace odoless

@@ -319,7 +319,8 @@ class DaemonTest(DaemonCase):
             self.assertIn(said, outcome.stderr)
         self.assertEqual(run("odolessd", "--config", self.config, "--check").returncode, 0)
         self.assertEqual(run("odolessd", "--stages", "matcher").returncode, EX_USAGE)
-        self.assertEqual(run("odolessd", "--config", os.path.join(SOURCES, "config", "robot.toml"), "--check").returncode, 0)
+        for robot_file in ("robot.toml", "robot-ld19.toml"):
+            self.assertEqual(run("odolessd", "--config", os.path.join(SOURCES, "config", robot_file), "--check").returncode, 0)
 
     def test_locks_about_as_much_memory_as_it_says_before(self):
         said = float(run("odoless", "memory", self.config).stdout.strip().split("\n")[-1].split()[0])

@@ -17,6 +17,11 @@ TEST(DaemonParams, SaysWhichValuesDoNotGoTogether) {
   EXPECT_EQ(params.contradiction(), "");
   ++params.lrf.rplidar_beams;
   EXPECT_THAT(params.contradiction(), AllOf(HasSubstr("lrf.rplidar_beams = 2049"), HasSubstr("scan.beams_max = 2048")));
+  params.lrf.driver = LrfDriver::kLdrobot;
+  params.lrf.ldrobot_beams = params.robot.scan.beams_max;
+  EXPECT_EQ(params.contradiction(), "") << "of another laser";
+  ++params.lrf.ldrobot_beams;
+  EXPECT_THAT(params.contradiction(), AllOf(HasSubstr("lrf.ldrobot_beams = 2049"), HasSubstr("scan.beams_max = 2048")));
   params.lrf.driver = LrfDriver::kSick;
   EXPECT_EQ(params.contradiction(), "") << "of another laser";
   params.robot.scan.beams_max = 360;

@@ -171,6 +171,7 @@ TEST_F(LcmLinkTap, ReportsHealthAndThatTheLaserLives) {
   for (const auto& [laser, type] : {std::pair<LrfDriver, int>(LrfDriver::kScip, 3),
                                     {LrfDriver::kSick, 2},
                                     {LrfDriver::kRplidar, -1},
+                                    {LrfDriver::kLdrobot, -1},
                                     {LrfDriver::kLcm, -1}}) {
     link_.set_laser(laser);
     ASSERT_EQ(link_.publish(test::example_health()), Errc::kOk);

@@ -83,7 +83,7 @@ TEST(LrfSource, OpensADeadLineAnewEveryTwoSecondsAndTellsOfItOnceAnOutage) {
 }
 
 TEST(LrfSource, OpensALineAnewThatOnlyBabbles) {
-  for (const LrfDriver driver : {LrfDriver::kScip, LrfDriver::kSick, LrfDriver::kRplidar}) {
+  for (const LrfDriver driver : {LrfDriver::kScip, LrfDriver::kSick, LrfDriver::kRplidar, LrfDriver::kLdrobot}) {
     SCOPED_TRACE(static_cast<int>(driver));
     BabblingDevice noise;
     LrfParams params = sick_params();
@@ -97,7 +97,7 @@ TEST(LrfSource, OpensALineAnewThatOnlyBabbles) {
 }
 
 TEST(LrfSource, OpensADeadLineAnewInAboutTwoSecondsWhateverTheLaser) {
-  for (const LrfDriver driver : {LrfDriver::kScip, LrfDriver::kSick, LrfDriver::kRplidar}) {
+  for (const LrfDriver driver : {LrfDriver::kScip, LrfDriver::kSick, LrfDriver::kRplidar, LrfDriver::kLdrobot}) {
     SCOPED_TRACE(static_cast<int>(driver));
     DeadDevice dead;
     LrfParams params = sick_params();

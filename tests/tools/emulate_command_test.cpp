@@ -113,8 +113,14 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
   rplidar.driver = LrfDriver::kRplidar;
   LrfParams express = rplidar;
   express.rplidar_scan = RplidarScan::kExpress;
-  for (const auto& [model, params, ahead] : std::vector<std::tuple<std::string, LrfParams, std::size_t>>{
-           {"lms291", sick, 180}, {"lms200", slow_sick, 180}, {"rplidar-a1", rplidar, 0}, {"rplidar-a2", express, 0}}) {
+  LrfParams ldrobot;
+  ldrobot.driver = LrfDriver::kLdrobot;
+  for (const auto& [model, params, ahead] :
+       std::vector<std::tuple<std::string, LrfParams, std::size_t>>{{"lms291", sick, 180},
+                                                                    {"lms200", slow_sick, 180},
+                                                                    {"rplidar-a1", rplidar, 0},
+                                                                    {"rplidar-a2", express, 0},
+                                                                    {"ld06", ldrobot, 0}}) {
     SCOPED_TRACE(model);
     const test::TemporaryFolder folder;
     const std::string pty = folder.path() / "laser";
@@ -140,8 +146,8 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
 }
 
 TEST(Probe, FindsOutWhichProtocolALaserSpeaks) {
-  for (const auto& [model, driver] :
-       {std::pair("urg-04lx", "scip"), std::pair("lms200", "sick"), std::pair("rplidar-a1", "rplidar")}) {
+  for (const auto& [model, driver] : {std::pair("urg-04lx", "scip"), std::pair("lms200", "sick"),
+                                      std::pair("rplidar-a1", "rplidar"), std::pair("ld19", "ldrobot")}) {
     SCOPED_TRACE(model);
     const test::TemporaryFolder folder;
     const std::string pty = folder.path() / "laser";

@@ -44,11 +44,14 @@ struct Protocol {
   LrfDriver driver;
   const char* name;
   int baud = 0;
+  double patience_s = 1e9;  ///< at most
 };
 constexpr Protocol kScip{LrfDriver::kScip, "SCIP (Hokuyo)"};
-/// In this order: SCIP's questions are plain text, an RPLIDAR answers within its first scan, and a SICK's rate must be
-/// searched for. A Hokuyo on USB has no rate; only one that is asked for a rate is searched for at all of them.
+/// In this order: SCIP's questions are plain text, an LDROBOT speaks unasked, an RPLIDAR answers within its first scan,
+/// and a SICK's rate must be searched for. A Hokuyo on USB has no rate; only one that is asked for a rate is searched
+/// for at all of them.
 constexpr std::array kProtocols{kScip, Protocol{LrfDriver::kScip, "SCIP at the rates of RS-232", 115200},
+                                Protocol{LrfDriver::kLdrobot, "LDROBOT's packets", 0, 1.0},
                                 Protocol{LrfDriver::kRplidar, "RPLIDAR's protocol"},
                                 Protocol{LrfDriver::kSick, "SICK's telegrams"}};
 
@@ -85,7 +88,8 @@ Errc ask(const std::string& address, const Protocol& protocol, const ProbeOption
   params.driver = protocol.driver;
   params.device = address;
   params.baud = options.baud != 0 ? options.baud : protocol.baud;
-  const Result<LrfAnswer> asked = ask_lrf(params, std::llround(options.patience_s * 1e9));
+  const double patience_s = std::min(options.patience_s, protocol.patience_s);
+  const Result<LrfAnswer> asked = ask_lrf(params, std::llround(patience_s * 1e9));
   if (!asked.ok()) {
     fmt::print("#   no laser that speaks {} answers: {}\n", protocol.name, describe(asked.error()));
     return asked.error();
@@ -95,7 +99,7 @@ Errc ask(const std::string& address, const Protocol& protocol, const ProbeOption
     fmt::print("#   a laser that speaks {}: {}\n", protocol.name, sentence_of(answer));
   } else {
     fmt::print("#   a laser that speaks {}: it answers, but no scan came within {} s; does its motor turn?\n",
-               protocol.name, options.patience_s);
+               protocol.name, patience_s);
   }
   print_configuration(answer, alternative);
   return Errc::kOk;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/check.hpp"
+#include "tools/emulate/ldrobot_device.hpp"
 #include "tools/emulate/rplidar_device.hpp"
 #include "tools/emulate/scip_device.hpp"
 #include "tools/emulate/sick_device.hpp"
@@ -20,6 +21,9 @@ std::vector<EmulatedLrfModel> emulated_lrf_models() {
   for (const RplidarModel& model : rplidar_models()) {
     models.push_back({std::string(model.name), std::string(model.product), model.turn_ns, model.range_sd_m});
   }
+  for (const LdrobotModel& model : ldrobot_models()) {
+    models.push_back({std::string(model.name), std::string(model.product), model.turn_ns, model.range_sd_m});
+  }
   return models;
 }
 
@@ -30,6 +34,9 @@ std::unique_ptr<EmulatedLrf> make_emulated_lrf(std::string_view name, EmulatedSc
   }
   if (const SickModel* const model = find_sick_model(name); model != nullptr) {
     return std::make_unique<SickDevice>(*model, source, std::move(options));
+  }
+  if (const LdrobotModel* const model = find_ldrobot_model(name); model != nullptr) {
+    return std::make_unique<LdrobotDevice>(*model, source, std::move(options));
   }
   const RplidarModel* const model = find_rplidar_model(name);
   ODOLESS_CHECK(model != nullptr);

@@ -15,7 +15,7 @@ constexpr double kBackwardsMaxDeg = 30.0;
 
 }  // namespace
 
-Turn::Turn() : samples_(kPointsMax), finished_(kPointsMax) {}
+Turn::Turn(double miss_lag_deg) : miss_lag_deg_(miss_lag_deg), samples_(kPointsMax), finished_(kPointsMax) {}
 
 void Turn::clear() {
   count_ = 0;
@@ -33,7 +33,7 @@ void Turn::push(const Sample& sample) {
 
 bool Turn::add(const Point& point, std::int64_t time_ns) {
   const bool is_miss = point.range_m <= 0.0;
-  double angle_deg = point.angle_deg - (is_miss ? kCompensationMaxDeg : 0.0);
+  double angle_deg = point.angle_deg - (is_miss ? miss_lag_deg_ : 0.0);
   if (count_ > 0) {
     angle_deg += kTurnDeg * std::round((last_deg_ - angle_deg) / kTurnDeg);
     is_spoilt_ = is_spoilt_ || angle_deg < last_deg_ - kBackwardsMaxDeg;

@@ -23,7 +23,9 @@ class Turn {
  public:
   static constexpr std::size_t kPointsMax = 8192;
 
-  Turn();
+  /// @param miss_lag_deg  By how much the angle of a sample that nothing answered may be ahead of what a point's
+  ///                      would be.
+  explicit Turn(double miss_lag_deg = kCompensationMaxDeg);
 
   /// A point that was measured at `time_ns`. @return whether it is the first of the next turn, and this one complete:
   /// `resample` it now.
@@ -64,6 +66,7 @@ class Turn {
   void push(const Sample& sample);
   [[nodiscard]] float between_m(const Sample& left, const Sample& right, double angle_deg, double beam_deg) const;
 
+  double miss_lag_deg_;
   std::vector<Sample> samples_;   ///< of the turn that is collected; the first is the last one's of the turn before
   std::vector<Sample> finished_;  ///< of the complete turn, with one sample beyond each end
   std::size_t count_ = 0;

@@ -1,9 +1,7 @@
 // No laser's session uses the heap once it is made: while it is brought up, streams, is given garbage, and comes back.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <ostream>
-
+#include "tests/drivers/lrf/tested_lasers.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/tools/emulate_support.hpp"
 
@@ -12,15 +10,6 @@ namespace {
 
 using test::kMs;
 using test::kSecond;
-
-struct TestedLaser {
-  const char* name;
-  const char* model;
-  LrfDriver driver;
-  RplidarScan scan = RplidarScan::kStandard;
-
-  friend void PrintTo(const TestedLaser& laser, std::ostream* out) { *out << laser.name; }
-};
 
 /// Counts, and allocates nothing.
 class Counter final : public LrfSink {
@@ -31,21 +20,17 @@ class Counter final : public LrfSink {
   int events = 0;
 };
 
-class LrfAllocation : public ::testing::TestWithParam<TestedLaser> {};
+class LrfAllocation : public ::testing::TestWithParam<test::TestedLaser> {};
 
 TEST_P(LrfAllocation, NothingIsAllocatedAfterConstruction) {
   if (!AllocationGuard::kWorks) {
     GTEST_SKIP() << "the sanitizer has malloc; the released build runs this";
   }
-  LrfParams params;
-  params.driver = GetParam().driver;
-  params.baud = params.driver == LrfDriver::kSick ? 38400 : 0;
-  params.rplidar_scan = GetParam().scan;
   WorldSource source(test::period_ns_of(GetParam().model), test::small_drive());
   const auto device = make_emulated_lrf(
       GetParam().model, source,
       {.faults = {parse_fault("garbage@1:0.5"), parse_fault("wrong-sum@2:0.5"), parse_fault("reboot@3:0.3")}}, 0);
-  const auto session = make_lrf_session(params, 1000);
+  const auto session = make_lrf_session(GetParam().params(), 2048);
   Counter counter;
   std::int64_t calls = 0;
   session->reset(0);
@@ -68,13 +53,8 @@ TEST_P(LrfAllocation, NothingIsAllocatedAfterConstruction) {
   EXPECT_GT(counter.events, 3) << "or the faults were not met";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, LrfAllocation,
-                         ::testing::Values(TestedLaser{"scip", "urg-04lx", LrfDriver::kScip},
-                                           TestedLaser{"sick", "lms200", LrfDriver::kSick},
-                                           TestedLaser{"rplidar_standard", "rplidar-a1", LrfDriver::kRplidar},
-                                           TestedLaser{"rplidar_express", "rplidar-a2", LrfDriver::kRplidar,
-                                                       RplidarScan::kExpress}),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+INSTANTIATE_TEST_SUITE_P(Lasers, LrfAllocation, ::testing::ValuesIn(test::kTestedLasers),
+                         [](const auto& tested) { return test::laser_name(tested); });
 
 }  // namespace
 }  // namespace odoless

@@ -1,0 +1,114 @@
+#include "drivers/lrf/ldrobot/packet.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace odoless::ldrobot {
+namespace {
+
+constexpr std::byte kStart{0x54};
+constexpr std::byte kKind{0x2C};  ///< of points; the lower 5 bits are their number
+constexpr std::size_t kSpeed = 2;
+constexpr std::size_t kFirstAngle = 4;
+constexpr std::size_t kPoints = 6;
+constexpr std::size_t kPointBytes = 3;
+constexpr std::size_t kLastAngle = kPoints + kPointBytes * kPacketPoints;
+constexpr std::size_t kCounter = kLastAngle + 2;
+constexpr std::size_t kSum = kCounter + 2;
+static_assert(kSum + 1 == kPacketBytes);
+
+constexpr unsigned kTurnCdeg = 36'000;
+constexpr unsigned kSweepMaxCdeg = 9'000;   ///< of a packet
+constexpr unsigned kSpeedMaxDegps = 7'200;  ///< 20 turns a second
+
+constexpr std::array<std::uint8_t, 256> sum_table() {
+  std::array<std::uint8_t, 256> table{};
+  for (unsigned i = 0; i < table.size(); ++i) {
+    unsigned rest = i;
+    for (int bit = 0; bit < 8; ++bit) {
+      rest = (rest & 0x80U) != 0 ? (rest << 1U) ^ 0x4DU : rest << 1U;
+    }
+    table[i] = static_cast<std::uint8_t>(rest);
+  }
+  return table;
+}
+
+constexpr std::array<std::uint8_t, 256> kSumTable = sum_table();
+
+unsigned number_at(std::span<const std::byte> bytes, std::size_t at) {
+  return std::to_integer<unsigned>(bytes[at]) | std::to_integer<unsigned>(bytes[at + 1]) << 8U;
+}
+
+}  // namespace
+
+std::uint8_t checksum(std::span<const std::byte> bytes) {
+  std::uint8_t sum = 0;
+  for (const std::byte byte : bytes) {
+    sum = kSumTable[sum ^ std::to_integer<std::uint8_t>(byte)];
+  }
+  return sum;
+}
+
+bool PacketReader::can_start() const {
+  return (size_ < 1 || buffer_[0] == kStart) && (size_ < 2 || buffer_[1] == kKind);
+}
+
+void PacketReader::drop_to_next_start() {
+  const auto begin = buffer_.begin();
+  const auto end = begin + static_cast<std::ptrdiff_t>(size_);
+  const auto next = std::find(begin + 1, end, kStart);
+  std::copy(next, end, begin);
+  size_ = static_cast<std::size_t>(end - next);
+}
+
+bool PacketReader::decode() {
+  const std::span<const std::byte> bytes = buffer_;
+  const unsigned first_cdeg = number_at(bytes, kFirstAngle);
+  const unsigned last_cdeg = number_at(bytes, kLastAngle);
+  const unsigned speed_degps = number_at(bytes, kSpeed);
+  const unsigned counter_ms = number_at(bytes, kCounter);
+  if (checksum(bytes.first(kSum)) != std::to_integer<std::uint8_t>(bytes[kSum]) || first_cdeg >= kTurnCdeg ||
+      last_cdeg >= kTurnCdeg || speed_degps > kSpeedMaxDegps || counter_ms > kCounterWrapMs) {
+    return false;
+  }
+  const unsigned sweep_cdeg = (last_cdeg + kTurnCdeg - first_cdeg) % kTurnCdeg;
+  if (sweep_cdeg > kSweepMaxCdeg) {
+    return false;
+  }
+  packet_.speed_degps = speed_degps;
+  packet_.first_deg = first_cdeg * 0.01;
+  packet_.sweep_deg = sweep_cdeg * 0.01;
+  packet_.counter_ms = static_cast<int>(counter_ms);
+  for (std::size_t i = 0; i < kPacketPoints; ++i) {
+    const std::size_t at = kPoints + kPointBytes * i;
+    packet_.points[i] = {number_at(bytes, at) * 0.001, std::to_integer<std::uint8_t>(bytes[at + 2])};
+  }
+  return true;
+}
+
+PacketReader::Outcome PacketReader::take(std::span<const std::byte>& bytes) {
+  for (;;) {
+    if (!can_start()) {
+      drop_to_next_start();
+      if (!std::exchange(told_, true)) {
+        return Outcome::kSkipped;
+      }
+    } else if (size_ == buffer_.size()) {
+      if (decode()) {
+        size_ = 0;
+        told_ = false;
+        return Outcome::kPacket;
+      }
+      drop_to_next_start();
+      told_ = true;
+      return Outcome::kWrongSum;
+    } else if (bytes.empty()) {
+      return Outcome::kMore;
+    } else {
+      buffer_[size_++] = bytes.front();
+      bytes = bytes.subspan(1);
+    }
+  }
+}
+
+}  // namespace odoless::ldrobot

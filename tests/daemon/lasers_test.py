@@ -1,0 +1,71 @@
+"""The daemon with each laser's robot file of config/, on the emulated laser: it maps a building as it is driven through.
+
+    lasers_test.py FOLDER_OF_PROGRAMS ROOT_OF_SOURCES
+"""
+
+import json
+import os
+import re
+import signal
+import sys
+import time
+import unittest
+
+from support import SOURCES, WORLD, DaemonCase, run
+from host_watch import HostWatch  # found by support
+
+DRIVE_S = 25
+ERROR_MAX_M = 0.05
+
+
+class LasersTest(DaemonCase):
+    def robot_file(self, name, **values):
+        """The robot file with its laser on the emulator's line, and nothing of the network."""
+        with open(os.path.join(SOURCES, "config", name), encoding="utf-8") as file:
+            text = file.read()
+        for key, value in {"device": f'"{self.path("laser")}"', **values}.items():
+            text, found = re.subn(rf"(?m)^{key} = .*$", f"{key} = {value}", text)
+            self.assertEqual(found, 1, f"{name} has no {key}")
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(f'{text}\n[lcm]\nurl = ""\n[control]\nsocket = "{self.path("control")}"\n')
+        return self.path(name)
+
+    def error_m(self, model):
+        """Of the path as it was published at the time, after a drive (RMS)."""
+        laser = self.start_laser("--model", model, "--start-delay-s", "1", "--truth", self.path("truth.tum"))
+        daemon = self.start_daemon("--enforce-realtime")
+        self.wait_until_ok()
+        time.sleep(DRIVE_S)
+        daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+        laser.kill()
+        laser.wait()
+        summary = self.summary()
+        self.assertEqual(summary["heap_calls"], 0)
+        self.assertGreater(summary["scans"], 9 * DRIVE_S)
+        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/trajectory_online.tum"), "--json")
+        return json.loads(ate.stdout)["translation_m"]["rmse"]
+
+    def expect_maps(self, config, model):
+        self.config = config
+        for _ in range(3):
+            with HostWatch() as host:
+                error_m = self.error_m(model)
+            print(f"  {model}: {error_m:.3f} m off; the machine withheld {host.withheld_s:.2f} s")
+            if error_m <= ERROR_MAX_M:
+                return
+            self.assertGreater(host.withheld_s, 1.0, f"{model} is {error_m} m off")
+        self.fail("in three attempts the machine was too busy")
+
+    def test_maps_with_an_ld06(self):
+        self.expect_maps(self.robot_file("robot-ld19.toml"), "ld06")
+
+    def test_maps_with_an_ld19(self):
+        self.expect_maps(self.robot_file("robot-ld19.toml"), "ld19")
+
+    def test_maps_with_an_stl_27l(self):
+        self.expect_maps(self.robot_file("robot-ld19.toml", baud=921600, ldrobot_beams=1080), "stl-27l")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+
+#include "drivers/lrf/lrf_params.hpp"
+
+namespace odoless::test {
+
+/// An emulated laser and how it is asked, for what holds of every driver.
+struct TestedLaser {
+  const char* name;   ///< of the test
+  const char* model;  ///< of the emulator
+  LrfDriver driver;
+  int baud = 0;  ///< 0: as it comes, or searched for
+  int wrong_baud =
+      0;  ///< a rate that the driver keeps to though the laser has another; 0: the driver finds the right one
+  RplidarScan rplidar_scan = RplidarScan::kStandard;
+  bool has_sums = true;  ///< its protocol: what is damaged can be told
+
+  [[nodiscard]] LrfParams params() const {
+    LrfParams params;
+    params.driver = driver;
+    params.baud = baud;
+    params.rplidar_scan = rplidar_scan;
+    return params;
+  }
+  friend void PrintTo(const TestedLaser& laser, std::ostream* out) { *out << laser.name; }
+};
+
+/// One at least of each driver, and of each stream of it.
+inline constexpr TestedLaser kTestedLasers[] = {
+    {.name = "scip_urg", .model = "urg-04lx", .driver = LrfDriver::kScip},
+    {.name = "scip_utm", .model = "utm-30lx", .driver = LrfDriver::kScip},
+    {.name = "sick", .model = "lms200", .driver = LrfDriver::kSick, .baud = 38400},
+    {.name = "sick_quick", .model = "lms291", .driver = LrfDriver::kSick, .baud = 500000},
+    {.name = "rplidar_standard",
+     .model = "rplidar-a1",
+     .driver = LrfDriver::kRplidar,
+     .wrong_baud = 256000,
+     .has_sums = false},
+    {.name = "rplidar_express",
+     .model = "rplidar-a2",
+     .driver = LrfDriver::kRplidar,
+     .wrong_baud = 256000,
+     .rplidar_scan = RplidarScan::kExpress},
+    {.name = "ldrobot_ld06", .model = "ld06", .driver = LrfDriver::kLdrobot, .wrong_baud = 921600},
+    {.name = "ldrobot_ld19", .model = "ld19", .driver = LrfDriver::kLdrobot, .wrong_baud = 115200},
+    {.name = "ldrobot_stl", .model = "stl-27l", .driver = LrfDriver::kLdrobot, .wrong_baud = 230400},
+};
+
+inline std::string laser_name(const auto& tested) { return tested.param.name; }
+
+}  // namespace odoless::test
