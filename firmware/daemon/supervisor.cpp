@@ -307,13 +307,15 @@ std::string Supervisor::status_text() {
   return fmt::format(
       "{}\nscans {} accepted, {} rejected, {} dropped, {} not level, {:.1f} Hz, age {:.3f} s\n"
       "stamps: {}\n"
+      "pose right within 0.5 m and 5 deg: {:.1f} %\n"
       "fitness {:.2f}, particles {}, effective {:.0f}, map pool {:.0f} %\n"
       "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n{}",
       state_sentence(health), health.lrf.accepted, health.lrf.rejected, health.lrf.dropped, health.scans_not_level,
-      health.lrf.rate_hz, health.lrf.age_s, times_text(health.lrf.times), health.fitness, health.particles,
-      health.effective_particles, 100.0 * health.map_pool_used, health.stages[kMatcherStage].p50_ms,
-      health.stages[kMatcherStage].p99_ms, health.stages[kMatcherStage].max_ms, health.stages[kFilterStage].p50_ms,
-      health.stages[kFilterStage].p99_ms, health.stages[kFilterStage].max_ms, cloud);
+      health.lrf.rate_hz, health.lrf.age_s, times_text(health.lrf.times), 100.0 * health.pose_probability,
+      health.fitness, health.particles, health.effective_particles, 100.0 * health.map_pool_used,
+      health.stages[kMatcherStage].p50_ms, health.stages[kMatcherStage].p99_ms, health.stages[kMatcherStage].max_ms,
+      health.stages[kFilterStage].p50_ms, health.stages[kFilterStage].p99_ms, health.stages[kFilterStage].max_ms,
+      cloud);
 }
 
 std::string Supervisor::save() {

@@ -122,6 +122,7 @@ void HealthMonitor::copy_figures(const SensorReport& sensor, const MatcherReport
   report_.particles = filter.particles;
   report_.position_sd_m = filter.position_sd_m;
   report_.yaw_sd_rad = filter.yaw_sd_rad;
+  report_.pose_probability = filter.pose_probability;
   report_.stages = {health_of(sensor.stage), health_of(matcher.stage), health_of(filter.stage)};
   report_.page_faults = sensor.stage.page_faults + matcher.stage.page_faults + filter.stage.page_faults;
   report_.allocations = std::min({sensor.stage.allocations, matcher.stage.allocations, filter.stage.allocations}) < 0

@@ -196,6 +196,7 @@ void to_message(const HealthReport& health, health_t& message) {
   message.particles = health.particles;
   message.position_sd_m = health.position_sd_m;
   message.yaw_sd_rad = health.yaw_sd_rad;
+  message.pose_probability = health.pose_probability;
   for (std::size_t stage = 0; stage < health.stages.size(); ++stage) {
     to_message(health.stages[stage], message.stages[stage]);
   }

@@ -84,6 +84,7 @@ struct FilterReport {
   double log_likelihood_per_beam = 0.0;
   double position_sd_m = 0.0;
   double yaw_sd_rad = 0.0;
+  double pose_probability = 1.0;  ///< that the pose is right within 0.5 m and 5 deg
   double pool_used = 0.0;
   std::int64_t refused_tiles = 0;
   std::int64_t outside_tiles = 0;

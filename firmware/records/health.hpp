@@ -108,6 +108,7 @@ struct HealthReport {
   std::int32_t particles = 0;
   double position_sd_m = 0.0;
   double yaw_sd_rad = 0.0;
+  double pose_probability = 1.0;  ///< that the pose is right within 0.5 m and 5 deg
   std::array<StageHealth, kStages> stages{};
   std::int64_t page_faults = 0;  ///< of the real-time threads since READY
   std::int64_t allocations = 0;  ///< of the real-time threads since READY; -1: nobody counts

@@ -25,6 +25,7 @@ void enter(const Motion& motion, MatcherReport& report) {
 void enter(const FilterStep& step, const PoseEstimate& estimate, FilterStage& stage, FilterReport& report) {
   report.position_sd_m = std::sqrt(estimate.covariance(0, 0) + estimate.covariance(1, 1));
   report.yaw_sd_rad = std::sqrt(estimate.covariance(2, 2));
+  report.pose_probability = step.probability;
   report.effective_particles = stage.filter().effective_particles();
   report.particles = stage.filter().particles();
   if (step.updated) {

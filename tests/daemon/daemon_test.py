@@ -134,6 +134,7 @@ class DaemonTest(DaemonCase):
         self.start_laser()
         daemon = self.start_daemon()
         self.wait_until_ok()
+        self.assertRegex(self.answer("status"), r"pose right within 0.5 m and 5 deg: (9\d|100)\.\d %")
         self.assertEqual(self.ctl("pause").stdout, "ok\n")
         self.wait_until(lambda: "paused" in self.state(), 2)
         self.assertEqual(self.ctl("resume").stdout, "ok\n")

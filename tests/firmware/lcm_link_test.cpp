@@ -158,6 +158,7 @@ TEST_F(LcmLinkTap, ReportsHealthAndThatTheLaserLives) {
   EXPECT_EQ(health.reasons, 8 + 65536);
   EXPECT_EQ(health.latched_reasons, 8 + 16 + 65536);
   EXPECT_EQ(health.lrf.accepted, 12345);
+  EXPECT_EQ(health.pose_probability, 0.75);
   EXPECT_EQ(health.stages[2].p99_ms, 7.5);
   EXPECT_EQ(health.allocations, 0);
   EXPECT_EQ(health.checkpoint_age_s, -1.0);
@@ -371,30 +372,6 @@ TEST(LcmLink, AllocatesNothingOnceItRuns) {
   const AllocationGuard guard;
   publish_all(link, ranges_m, cells);
   EXPECT_EQ(guard.calls(), 0);
-}
-
-TEST(MapView, KeepsTheMostOccupiedOfFour) {
-  Rng rng(3);
-  for (int i = 0; i < 200; ++i) {
-    const int columns = 1 + static_cast<int>(rng.below(9));
-    const int rows = 1 + static_cast<int>(rng.below(9));
-    std::vector<std::uint8_t> cells(static_cast<std::size_t>(columns * rows));
-    for (std::uint8_t& cell : cells) {
-      cell = rng.below(2) == 0 ? kUnknownCell : static_cast<std::uint8_t>(rng.below(101));
-    }
-    std::vector<std::uint8_t> expected(halved_cells(columns, rows), kUnknownCell);
-    for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        const std::uint8_t cell = cells[static_cast<std::size_t>(row * columns + column)];
-        std::uint8_t& merged = expected[static_cast<std::size_t>(row / 2 * ((columns + 1) / 2) + column / 2)];
-        if (cell != kUnknownCell) {
-          merged = merged == kUnknownCell ? cell : std::max(merged, cell);
-        }
-      }
-    }
-    const MapView half = halved({.columns = columns, .rows = rows, .cells = cells}, cells);  // in place
-    EXPECT_EQ(std::vector<std::uint8_t>(half.cells.begin(), half.cells.end()), expected);
-  }
 }
 
 }  // namespace

@@ -106,6 +106,7 @@ inline HealthReport example_health() {
   health.reasons = kReasonBlind | kReasonPaused;
   health.latched_reasons = kReasonBlind | kReasonPaused | kReasonStuck;
   health.lrf.rate_hz = 40.0;
+  health.pose_probability = 0.75;
   health.lrf.accepted = 12345;
   health.stages[kFilterStage].p99_ms = 7.5;
   health.storage_error = 28;
