@@ -72,8 +72,7 @@ class PoseConfidence {
   /// @param fit_share    Fit of the scan in what the map knows, over the usual one.
   /// @param known_share  Share of the scan's beams that the map says anything of.
   /// @param span_s       Time that the scan stands for.
-  /// @param seen_anew    Share of what the scan shows that the ones before did not: 0 where the robot stands, 1 at
-  /// most.
+  /// @param seen_anew    How much of a new scan this one counts for where it speaks for the pose, 0 to 1.
   void observe(double fit_share, double known_share, double span_s, double seen_anew);
 
   /// Probabilities; with that of a drifted pose they sum to 1.

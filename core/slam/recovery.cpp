@@ -12,7 +12,7 @@ constexpr double kAmbiguous =
     0.7;  // weight of a motion against its alternatives below which it is taken for one of them
 constexpr double kKnown_min = 0.2;  // share of beams below which a fit in what is known tells little
 
-/// Share of a scan that is new after such a motion.
+/// How much of a new scan one counts for after such a motion. A robot at rest is confirmed as well, but slowly.
 double seen_anew(const Motion& motion, double span_s) {
   constexpr double kTravel_m = 0.3;
   constexpr double kTurn_rad = 0.3;

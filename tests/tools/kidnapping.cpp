@@ -59,7 +59,7 @@ Kidnapping KidnappedRobot::carry_away(std::uint64_t seed, double watched_s) {
   heap_calls_ = 0;
   Stretch sure;
   Stretch claimed;
-  bool misplaced = false;
+  bool found = false;
   for (double time_s = 0.0; time_s < watched_s; time_s += kPeriod_s) {
     const FilterStep step = scan();
     const bool lost = step.tracking == Tracking::kLost;
@@ -67,9 +67,9 @@ Kidnapping KidnappedRobot::carry_away(std::uint64_t seed, double watched_s) {
     out.lost_after_s = lost ? std::min(out.lost_after_s, time_s) : out.lost_after_s;
     out.lost_scans += lost ? 1 : 0;
     out.slice_us_max = lost ? std::max(out.slice_us_max, slice_us_) : out.slice_us_max;
-    misplaced = !lost && wrong && (step.found || misplaced);
+    found = found || step.found;
     sure.add(wrong && step.tracking == Tracking::kSure);
-    claimed.add(misplaced);
+    claimed.add(wrong && !lost && found);
     out.found_after_s = lost || wrong ? std::numeric_limits<double>::infinity() : std::min(out.found_after_s, time_s);
     world_T_robot_ = Wanderer(world_).next(world_T_robot_, kPeriod_s);
   }

@@ -17,7 +17,7 @@ struct Kidnapping {
   double lost_after_s = std::numeric_limits<double>::infinity();   ///< the robot said so
   double found_after_s = std::numeric_limits<double>::infinity();  ///< right and not lost, and so until the end
   double wrong_sure_s = 0.0;     ///< longest time of being sure and wrong by more than 0.5 m or 5 deg at a stretch
-  double wrong_claimed_s = 0.0;  ///< the same of not being lost, sure or not, from being found at a wrong place on
+  double wrong_claimed_s = 0.0;  ///< the same of not being lost, sure or not, once it was found again
   double slice_us_max = 0.0;     ///< CPU time of a scan in the filter while lost
   std::int64_t lost_scans = 0;
   std::int64_t heap_calls = 0;  ///< of the filter, from the kidnapping on

@@ -55,7 +55,7 @@ TEST(PoseConfidence, WhatTheMapDoesNotKnowSaysNothing) {
   EXPECT_DOUBLE_EQ(confidence.right(), before);
 }
 
-TEST(PoseConfidence, LookingAtOneCornerForLongConfirmsNothing) {
+TEST(PoseConfidence, AScanThatCountsForNothingNewConfirmsNothing) {
   PoseConfidence confidence{{}};
   confidence.move(0.5, 0.0, 0.0);
   for (int i = 0; i < 1000; ++i) {
