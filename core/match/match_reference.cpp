@@ -51,8 +51,8 @@ Errc MatchReference::rebuild(std::span<const PlacedScan> scans) {
   coarse_.paint(ndt_);
   fine_.paint(ndt_);
   if (params_.free_penalty > 0.0) {
-    for (const PlacedScan& placed : scans.first(fitting)) {
-      fine_.mark_free(*placed.scan, placed.reference_T_scan, params_.free_margin_m, params_.free_penalty);
+    for (std::size_t i = 0; i < fitting; i += static_cast<std::size_t>(params_.free_every)) {
+      fine_.mark_free(*scans[i].scan, scans[i].reference_T_scan, params_.free_margin_m, params_.free_penalty);
     }
   }
   return Errc::kOk;

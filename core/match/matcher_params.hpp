@@ -16,6 +16,7 @@ struct ReferenceParams {
   double thinning_m = 0.1;
   double free_margin_m = 0.15;
   double free_penalty = 0.7;
+  int free_every = 1;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -31,6 +32,8 @@ struct ReferenceParams {
     visit.value("free_penalty", self.free_penalty, Range{0.0, 1.0},
                 "What a point loses where the reference saw through; in the fine raster alone, since it hinders the "
                 "coarse search.");
+    visit.value("free_every", self.free_every, Range{1, 100},
+                "One scan in so many marks free space; where scans overlap, the others mark the same.");
   }
 };
 

@@ -15,6 +15,7 @@
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
 #include "tools/command/experiment.hpp"
+#include "tools/command/graph.hpp"
 #include "tools/command/info.hpp"
 #include "tools/command/probe.hpp"
 #include "tools/command/replay.hpp"
@@ -36,6 +37,7 @@ void add_commands(CLI::App& app) {
   add_cloud(app);
   add_info(app);
   add_eval(app);
+  add_graph(app);
   add_sim(app);
   add_experiment(app);
   add_campaign(app);

@@ -16,6 +16,7 @@
 #include "tools/log/log_times.hpp"
 #include "tools/log/plausibility.hpp"
 #include "tools/log/reference_poses.hpp"
+#include "tools/output/g2o.hpp"
 #include "tools/output/map_files.hpp"
 #include "tools/output/map_picture.hpp"
 #include "tools/output/matches.hpp"
@@ -125,6 +126,12 @@ void write_replay(const LogJob& job, const ReplayResult& result, nlohmann::order
   if (!result.map.occupancy_percent.empty()) {
     write_map(job.out, result.map);
     write_map_picture(job.out / "map.png", result.map, paths_to_draw(job, result));
+  }
+  if (result.graph) {
+    write_whole_file(job.out / "pose_graph.g2o", format_g2o(*result.graph));
+    summary["submaps"] = result.graph->size();
+    summary["loop_closures"] = result.closures.accepted - result.closures.taken_out;
+    summary["loop_closures_taken_out"] = result.closures.taken_out;
   }
   summary["retried_matches"] = result.retried_matches;
   summary["filter_updates"] = result.filter_updates;

@@ -2,11 +2,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "config/robot_params.hpp"
 #include "core/geometry/stamped_pose.hpp"
+#include "core/graph/pose_graph.hpp"
+#include "core/graph/submap_graph.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "firmware/records/health.hpp"
 #include "tools/log/scan_log.hpp"
@@ -25,8 +28,10 @@ using ReplayProgress = std::function<void(std::int64_t, std::int64_t, double)>;
 
 /// What a log was made into.
 struct ReplayResult {
-  std::vector<StampedPose> trajectory;         ///< one per scan used, as known at the end
-  std::vector<StampedPose> online_trajectory;  ///< the same as known at the time
+  std::vector<StampedPose> trajectory;         ///< final: one pose per scan used, by the pose graph where it is on
+  std::vector<StampedPose> online_trajectory;  ///< the filter's estimates at the time
+  std::optional<PoseGraph> graph;              ///< where it is on
+  SubmapGraph::Counts closures{};
   std::vector<MatchRow> matches;
   OccupancyMap map;
   int poor_matches = 0;  ///< not converged
