@@ -12,6 +12,7 @@ namespace odoless {
   params.ndt.cell_size_m = 0.5;
   params.ndt.extent_m = 29.0;
   params.free_every = 3;
+  params.wide_cell_size_m = 0.0;
   params.fine.extent_m = params.coarse.extent_m = 25.0;
   return params;
 }
@@ -19,9 +20,9 @@ namespace odoless {
 /// The pose graph of submaps.
 struct GraphParams {
   bool enabled = true;
-  int submaps_max = 4096;
-  int constraints_max = 32768;
-  int keyframes_max = 65536;
+  int submaps_max = 2048;
+  int constraints_max = 16384;
+  int keyframes_max = 24576;
   int keyframe_beams_max = 541;
   double keyframe_distance_m = 0.4;
   double keyframe_rotation_rad = 0.2618;
@@ -29,7 +30,7 @@ struct GraphParams {
   int submap_keyframes = 20;
   double submap_slip_m = 1.0;
   int candidates = 24;
-  int references = 6;
+  int references = 3;
   int reference_points_max = 24000;
   ReferenceParams reference = submap_reference_params();
 
@@ -40,7 +41,7 @@ struct GraphParams {
     visit.value("constraints_max", self.constraints_max, Range{32, 2'000'000},
                 "Most constraints between submaps; memory is set aside for them.");
     visit.value("keyframes_max", self.keyframes_max, Range{64, 4'000'000},
-                "Most keyframes; memory is set aside for them as they come.");
+                "Most keyframes; memory is set aside for them.");
     visit.value("keyframe_beams_max", self.keyframe_beams_max, Range{32, 16384},
                 "Most beams of a keyframe; of a scan with more only every second, third, ... is kept.");
     visit.value("keyframe_distance_m", self.keyframe_distance_m, Range{0.05, 10.0},
@@ -54,7 +55,7 @@ struct GraphParams {
     visit.value("candidates", self.candidates, Range{1, 200},
                 "Most older submaps that a submap is matched with when it ends.");
     visit.value("references", self.references, Range{1, 100},
-                "Submaps that are kept ready to be matched with; each takes some 20 MB.");
+                "Submaps that are kept ready to be matched with; each takes some 30 MB.");
     visit.value("reference_points_max", self.reference_points_max, Range{1000, 200'000},
                 "Most points of a submap with its neighbours.");
     visit.group("reference", self.reference, "What a submap is made into to be matched with.");

@@ -23,14 +23,13 @@ constexpr double kCredible = 0.9;  // probability of a step below which it says 
 constexpr double kTorn_m = 1.0;
 constexpr double kTorn_rad = 0.7;
 
-Eigen::Vector2d turned_back(const Eigen::Vector2d& vector, double yaw_rad) {
-  return turn_matrix(-yaw_rad).topLeftCorner<2, 2>() * vector;
-}
+Point2 turned_back(const Point2& vector, double yaw_rad) { return Pose2{0.0, 0.0, -yaw_rad} * vector; }
 
-Eigen::Vector2d slip_of(const Eigen::Matrix3d& covariance) {
+Point2 slip_of(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
   const double sd_m = std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
-  return std::max(0.0, sd_m - kSlip_from_m) * axes.eigenvectors().col(1);
+  const double beyond_m = std::max(0.0, sd_m - kSlip_from_m);
+  return {beyond_m * axes.eigenvectors()(0, 1), beyond_m * axes.eigenvectors()(1, 1)};
 }
 
 }  // namespace
@@ -42,8 +41,9 @@ OdometryStretch OdometryStretch::of(const Motion& motion) {
   out.distance_m = std::hypot(step.x_m, step.y_m);
   out.rotation_rad = std::abs(step.yaw_rad);
   if (out.distance_m + 0.3 * out.rotation_rad > kStanding_m) {
-    out.covariance = motion.error().motion_covariance(step);
-    out.slip_m = slip_of(out.covariance);
+    const Eigen::Matrix3d covariance = motion.error().motion_covariance(step);
+    out.covariance = rows_of<3>(covariance);
+    out.slip_m = slip_of(covariance);
   }
   out.unknown_s = motion.probability < kCredible ? std::max(0.0, motion.duration_s()) + motion.duration_sd_s : 0.0;
   return out;
@@ -52,9 +52,11 @@ OdometryStretch OdometryStretch::of(const Motion& motion) {
 OdometryStretch OdometryStretch::then(const OdometryStretch& next) const {
   OdometryStretch out;
   out.start_T_end = start_T_end * next.start_T_end;
-  out.covariance = carried(covariance, next.start_T_end) + next.covariance;
-  const Eigen::Vector2d before_m = turned_back(slip_m, next.start_T_end.yaw_rad);
-  out.slip_m = before_m.dot(next.slip_m) < 0.0 ? Eigen::Vector2d(before_m - next.slip_m) : before_m + next.slip_m;
+  out.covariance =
+      rows_of<3>(carried(matrix_of<3>(covariance), next.start_T_end) + matrix_of<3>(next.covariance));
+  const Point2 before_m = turned_back(slip_m, next.start_T_end.yaw_rad);
+  const double sign = before_m.x_m * next.slip_m.x_m + before_m.y_m * next.slip_m.y_m < 0.0 ? -1.0 : 1.0;
+  out.slip_m = {before_m.x_m + sign * next.slip_m.x_m, before_m.y_m + sign * next.slip_m.y_m};
   out.distance_m = distance_m + next.distance_m;
   out.rotation_rad = rotation_rad + next.rotation_rad;
   out.unknown_s = unknown_s + next.unknown_s;
@@ -62,8 +64,9 @@ OdometryStretch OdometryStretch::then(const OdometryStretch& next) const {
 }
 
 Eigen::Matrix3d OdometryStretch::constraint_covariance(const RobotLimits& limits) const {
-  Eigen::Matrix3d out = kStep_share * covariance;
-  out.topLeftCorner<2, 2>() += kSlip_share * slip_m * slip_m.transpose();
+  const Eigen::Vector2d slip(slip_m.x_m, slip_m.y_m);
+  Eigen::Matrix3d out = kStep_share * matrix_of<3>(covariance);
+  out.topLeftCorner<2, 2>() += kSlip_share * slip * slip.transpose();
   const double sd_m = kDistance_share * std::max(kDistance_min_m, distance_m);
   const double sd_rad = kYaw_rad_per_sqrt_m * std::sqrt(std::max(0.5, distance_m)) + kRotation_share * rotation_rad;
   out.diagonal() += Eigen::Vector3d(sd_m * sd_m, sd_m * sd_m, sd_rad * sd_rad);

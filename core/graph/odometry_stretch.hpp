@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "core/geometry/matrix_rows.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/motion/motion.hpp"
 #include "core/motion/robot_limits.hpp"
@@ -15,8 +16,8 @@ namespace odoless {
 /// Frames: errors and slip are in the axes of the end (pose_graph.hpp).
 struct OdometryStretch {
   Pose2 start_T_end{};
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< sum of the steps' own
-  Eigen::Vector2d slip_m = Eigen::Vector2d::Zero();      ///< along unconstrained directions; of either sign
+  MatrixRows<3> covariance{};  ///< sum of the steps' own
+  Point2 slip_m{};             ///< along unconstrained directions; of either sign
   double distance_m = 0.0;
   double rotation_rad = 0.0;
   double unknown_s = 0.0;  ///< over which the motion may be any: after steps that are not credible

@@ -15,18 +15,15 @@ bool SubmapBuilder::is_full() const {
          (slip_m_ > params_.submap_slip_m && begun_.size() >= kSlipping_min);
 }
 
-bool SubmapBuilder::add(const ScanFrame& scan, const Motion& motion, KeyframeStore& store) {
-  const OdometryStretch step = OdometryStretch::of(motion);
+bool SubmapBuilder::add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store) {
+  const OdometryStretch& step = keyframe.since_last;
   const bool has_ended = (step.is_torn() || is_full()) && finish(store);
-  since_keyframe_ = since_keyframe_.then(step);
+  since_stored_ = since_stored_.then(step);
   travel_m_ += step.distance_m;
-  slip_m_ += step.slip_m.norm();
-  const Pose2& way = since_keyframe_.start_T_end;
-  const bool is_keyframe = begun_.empty() || std::hypot(way.x_m, way.y_m) >= params_.keyframe_distance_m ||
-                           std::abs(way.yaw_rad) >= params_.keyframe_rotation_rad;
-  if (is_keyframe && !store.full()) {
-    begun_.push_back({store.add(scan, {}), scan.stamp_ns(), motion.odom_T_current, since_keyframe_});
-    since_keyframe_ = {};
+  slip_m_ += std::hypot(step.slip_m.x_m, step.slip_m.y_m);
+  if (!store.full()) {
+    begun_.push_back({store.add(keyframe, codes), since_stored_});
+    since_stored_ = {};
   }
   return has_ended;
 }
@@ -36,13 +33,13 @@ bool SubmapBuilder::finish(KeyframeStore& store) {
     return false;
   }
   const std::size_t middle = begun_.size() / 2;
-  const Begun& origin = begun_[middle];
-  finished_ = {begun_.front().keyframe, static_cast<int>(begun_.size()), origin.odom_T_scan, origin.stamp_ns};
+  const Keyframe& origin = store[begun_[middle].index];
+  finished_ = {begun_.front().index, static_cast<int>(begun_.size()), origin.odom_T_scan, origin.stamp_ns};
   odometry_ = has_origin_ ? since_origin_ : OdometryStretch{};
   since_origin_ = {};
   for (std::size_t i = 0; i < begun_.size(); ++i) {
     const Begun& each = begun_[i];
-    store.place(each.keyframe, origin.odom_T_scan.inverse() * each.odom_T_scan);
+    store.place(each.index, origin.odom_T_scan.inverse() * store[each.index].odom_T_scan);
     OdometryStretch& sum = i <= middle ? odometry_ : since_origin_;
     sum = sum.then(each.since_last);
   }

@@ -16,17 +16,17 @@ struct Submap {
   std::int64_t origin_stamp_ns = 0;
 };
 
-/// Cuts the stream of scans into submaps: every so far a scan becomes a keyframe, and a submap ends after a few metres,
-/// where the odometry may have slipped by too much, and before a motion that is not credible.
+/// Cuts the stream of keyframes into submaps: one ends after a few metres, where the odometry may have slipped by too
+/// much, and before a motion that is not credible.
 ///
 /// Thread: owned by one thread. No allocation after construction but the store's.
 class SubmapBuilder {
  public:
   explicit SubmapBuilder(const GraphParams& params);
 
-  /// Every scan, with the motion from the one before. While the store is full nothing is added.
+  /// Every keyframe. While the store is full its motion alone is noted.
   /// @return  Whether a submap has ended: `finished` says which.
-  bool add(const ScanFrame& scan, const Motion& motion, KeyframeStore& store);
+  bool add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store);
   /// Ends the submap that has begun. @return  Whether there was one.
   bool finish(KeyframeStore& store);
 
@@ -36,17 +36,15 @@ class SubmapBuilder {
 
  private:
   struct Begun {
-    int keyframe = 0;
-    std::int64_t stamp_ns = 0;
-    Pose2 odom_T_scan{};
-    OdometryStretch since_last;  ///< from the keyframe before, or from the origin of the submap before
+    int index = 0;
+    OdometryStretch since_last;  ///< from the keyframe before that is stored
   };
 
   [[nodiscard]] bool is_full() const;
 
   GraphParams params_;
   std::vector<Begun> begun_;
-  OdometryStretch since_keyframe_;
+  OdometryStretch since_stored_;  ///< to the newest keyframe
   OdometryStretch since_origin_;  ///< of the submap before to its end
   double travel_m_ = 0.0;
   double slip_m_ = 0.0;

@@ -50,10 +50,11 @@ SubmapGraph::SubmapGraph(const GraphParams& params, const RobotLimits& limits, c
       graph_(params.submaps_max, params.constraints_max),
       matcher_(params, scan) {
   submaps_.reserve(static_cast<std::size_t>(params.submaps_max));
+  attempts_.reserve(static_cast<std::size_t>(params.submaps_max));
 }
 
-bool SubmapGraph::add(const ScanFrame& scan, const Motion& motion) {
-  if (!graph_.full() && graph_.has_room(1) && builder_.add(scan, motion, store_)) {
+bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
+  if (!graph_.full() && graph_.has_room(1) && builder_.add(keyframe, codes, store_)) {
     add_submap();
   }
   return phase_ != Phase::kIdle;
@@ -64,7 +65,7 @@ void SubmapGraph::add_submap() {
   }
   const Submap& submap = builder_.finished();
   if (submaps_.empty()) {
-    graph_.add_node(submap.odom_T_submap);
+    graph_.add_node(store_[submap.first_keyframe].map_T_odom * submap.odom_T_submap);
   } else {
     const int last = graph_.size() - 1;
     const OdometryStretch& odometry = builder_.odometry();
@@ -260,8 +261,15 @@ void SubmapGraph::finish() {
   static_cast<void>(solver_.solve(graph_, kIterations));
 }
 
+double SubmapGraph::used() const {
+  const auto share = [](std::size_t size, int most) { return static_cast<double>(size) / most; };
+  return std::max({share(submaps_.size(), params_.submaps_max),
+                   share(graph_.constraints().size(), params_.constraints_max),
+                   share(static_cast<std::size_t>(store_.size()), params_.keyframes_max)});
+}
+
 Pose2 SubmapGraph::map_T_odom() const {
-  return submaps_.empty() ? Pose2{} : graph_.poses().back() * submaps_.back().odom_T_submap.inverse();
+  return submaps_.empty() ? (store_.size() > 0 ? store_[0].map_T_odom : Pose2{}) : graph_.poses().back() * submaps_.back().odom_T_submap.inverse();
 }
 
 std::vector<StampedPose> SubmapGraph::corrected(std::span<const StampedPose> odom) const {

@@ -23,7 +23,7 @@ namespace odoless {
 /// overlap it by what the odometry may have drifted. A match is taken at once where it cannot be another place, else
 /// when others agree with it. Then the graph is solved.
 ///
-/// Frames: map, which begins where the odom frame does (REP 105). odom never jumps; map_T_odom does, at a correction.
+/// Frames: map, which is where the first keyframe has it (REP 105). odom never jumps; map_T_odom does, at a correction.
 /// Thread: owned by one thread. Not for real-time threads. The same scans, motions and random seed give the same bytes.
 class SubmapGraph {
  public:
@@ -39,8 +39,8 @@ class SubmapGraph {
 
   SubmapGraph(const GraphParams& params, const RobotLimits& limits, const ScanParams& scan, std::uint64_t seed);
 
-  /// Every scan, with the motion from the one before. @return  Whether there is work.
-  bool add(const ScanFrame& scan, const Motion& motion);
+  /// Every keyframe. @return  Whether there is work.
+  bool add(const Keyframe& keyframe, std::span<const BeamCode> codes);
   /// One step of the work: a match, a verification or a solution. @return  Whether there is more.
   bool work();
   /// Ends the submap that has begun and does all work: when a run is over.
@@ -52,8 +52,10 @@ class SubmapGraph {
   [[nodiscard]] const KeyframeStore& keyframes() const { return store_; }
   [[nodiscard]] SubmapWorld world() const { return {store_, graph_, submaps_}; }
   [[nodiscard]] const Counts& counts() const { return counts_; }
+  /// Share of the fullest pool, 0 to 1: submaps, constraints, keyframes.
+  [[nodiscard]] double used() const;
   /// Where each of these poses was, as known now: between two submaps' origins a correction goes in with the travel.
-  /// @param odom  odom_T_scan of scans in their order, for which `add` was called.
+  /// @param odom  odom_T_scan of all scans in their order, keyframes and others.
   [[nodiscard]] std::vector<StampedPose> corrected(std::span<const StampedPose> odom) const;
 
  private:

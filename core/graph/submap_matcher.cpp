@@ -55,7 +55,10 @@ SubmapMatcher::SubmapMatcher(const GraphParams& params, const ScanParams& scan)
       query_{PointSet(kQueryPoints_max), {}},
       search_({}, kQueryPoints_max) {
   scan_.beams_max = std::max(params.keyframe_beams_max, 8);
-  frames_.reserve(static_cast<std::size_t>(3 * params.submap_keyframes));
+  for (Ready& each : ready_) {
+    each.reference = std::make_unique<MatchReference>(params.reference, params.reference_points_max);
+  }
+  frames_.assign(static_cast<std::size_t>(3 * params.submap_keyframes), ScanFrame(scan_));
 }
 
 void SubmapMatcher::set_query(const SubmapWorld& world, int query) {
@@ -67,7 +70,7 @@ void SubmapMatcher::set_query(const SubmapWorld& world, int query) {
   query_.orientations.clear();
   for (int i = 0; i < submap.keyframes; ++i) {
     const int index = submap.first_keyframe + i;
-    const Pose2& submap_T_scan = world.store[index].submap_T_scan;
+    const Pose2& submap_T_scan = world.store.submap_T_scan(index);
     world.store.load(index, 1, frame);
     points.clear();
     append_thinned(frame, submap_T_scan, params_.reference.thinning_m, points);
@@ -106,12 +109,9 @@ void SubmapMatcher::place(const SubmapWorld& world, int reference, int submap) {
   const int stride = stride_for(beams, 3 * params_.submap_keyframes, params_.reference_points_max);
   for (int i = 0; i < each.keyframes; ++i) {
     const int index = each.first_keyframe + i;
-    if (placed_.size() == frames_.size()) {
-      frames_.emplace_back(scan_);
-    }
     ScanFrame& frame = frames_[placed_.size()];
     world.store.load(index, stride, frame);
-    placed_.push_back({&frame, reference_T_submap * world.store[index].submap_T_scan});
+    placed_.push_back({&frame, reference_T_submap * world.store.submap_T_scan(index)});
   }
 }
 
@@ -123,9 +123,6 @@ MatchReference& SubmapMatcher::reference_of(const SubmapWorld& world, int submap
       return *each.reference;
     }
     oldest = each.used < oldest->used ? &each : oldest;
-  }
-  if (!oldest->reference) {
-    oldest->reference = std::make_unique<MatchReference>(params_.reference, params_.reference_points_max);
   }
   placed_.clear();
   place(world, submap, submap);

@@ -13,7 +13,7 @@ void WorldMap::cover(const SubmapWorld& world) {
   for (std::size_t i = 0; i < world.submaps.size(); ++i) {
     const Submap& submap = world.submaps[i];
     for (int k = submap.first_keyframe; k < submap.first_keyframe + submap.keyframes; ++k) {
-      const Pose2 map_T_scan = world.graph.pose(static_cast<int>(i)) * world.store[k].submap_T_scan;
+      const Pose2 map_T_scan = world.graph.pose(static_cast<int>(i)) * world.store.submap_T_scan(k);
       const double seen_m = world.store.farthest_m(k);
       reach_m = std::max({reach_m, std::abs(map_T_scan.x_m) + seen_m, std::abs(map_T_scan.y_m) + seen_m});
     }
@@ -43,7 +43,7 @@ void WorldMap::render(const SubmapWorld& world, const ScanParams& scan) {
     const Submap& submap = world.submaps[i];
     for (int k = submap.first_keyframe; k < submap.first_keyframe + submap.keyframes; ++k) {
       world.store.load(k, 1, frame);
-      const Pose2 map_T_scan = world.graph.pose(static_cast<int>(i)) * world.store[k].submap_T_scan;
+      const Pose2 map_T_scan = world.graph.pose(static_cast<int>(i)) * world.store.submap_T_scan(k);
       integrate_scan(model, BeamCaster(geometry_, map_T_scan), *this, frame, 0.0);
     }
   }

@@ -8,7 +8,9 @@ constexpr int kReturns_min = 8;
 
 NdtParams with_wide_cells(const ReferenceParams& params) {
   NdtParams out = params.ndt;
-  out.cell_size_m = params.wide_cell_size_m;
+  if (params.wide_cell_size_m > 0.0) {
+    out.cell_size_m = params.wide_cell_size_m;
+  }
   return out;
 }
 }  // namespace
@@ -19,7 +21,7 @@ MatchReference::MatchReference(const ReferenceParams& params, int points_max)
       thinned_(points_max),
       exact_ndt_(params.ndt, points_max),
       ndt_(params.ndt, points_max),
-      wide_ndt_(with_wide_cells(params), points_max),
+      wide_ndt_(with_wide_cells(params), params.wide_cell_size_m > 0.0 ? points_max : 1),
       fine_(params.fine),
       coarse_(params.coarse),
       wide_(params.coarse) {
@@ -59,6 +61,9 @@ Errc MatchReference::rebuild(std::span<const PlacedScan> scans) {
 }
 
 const ScoreRaster& MatchReference::wide() {
+  if (params_.wide_cell_size_m == 0.0) {
+    return coarse_;
+  }
   if (!wide_ready_) {
     wide_ndt_.rebuild(thinned_);
     wide_.paint(wide_ndt_);

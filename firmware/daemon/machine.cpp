@@ -61,6 +61,10 @@ Machine::Machine(DaemonOptions& options)
   }
   if (filter_) {
     filter_loop_ = std::make_unique<FilterLoop>(pipeline_, *filter_, params, options.params.lcm.map_refresh_s);
+    if (options.params.robot.graph.enabled) {
+      filter_loop_->tell_keyframes(options.params.robot.graph);
+      publisher_.attach(options.params.robot, options.seed);
+    }
     if (options.params.mapping_in_use()) {
       filter_loop_->tell_path();
     }
@@ -129,6 +133,7 @@ int Machine::start(bool enforce) {
   };
   const std::atomic<bool>& before_filter = matcher_ ? pipeline_.matcher.done : pipeline_.sensor.done;
   int error = gpio_thread_ ? gpio_thread_->start() : 0;
+  error = error != 0 ? error : publisher_.start_graph();
   if (filter_loop_ && error == 0) {
     error = run(filter_thread_, worker_system_calls(), [this, &before_filter] { filter_loop_->run(before_filter); });
   }
@@ -175,7 +180,7 @@ bool Machine::stop() {
   return true;
 }
 
-int Machine::threads() const { return kStages + 1 + (gpio_thread_ ? 1 : 0); }
+int Machine::threads() const { return kStages + 1 + (gpio_thread_ ? 1 : 0) + (publisher_.has_graph() ? 1 : 0); }
 
 std::size_t Machine::map_cells() const {
   const GridGeometry geometry = geometry_of(filter_.get());
@@ -228,6 +233,7 @@ DaemonResult Machine::result() {
     result.trajectory = result.online_trajectory;
     result.cloud = has_cloud ? publisher_.cloud() : result.cloud;
   }
+  static_cast<void>(publisher_.write_world(has_ended(), result.trajectory, result.map));
   result.health = publisher_.health();
   result.cpu = publisher_.cpu();
   result.wall_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;

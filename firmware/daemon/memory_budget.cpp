@@ -81,8 +81,13 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
       PublisherParams{params.lcm, params.recorder, params.health, {}, params.mapping_in_use()}, filter->geometry(),
       *pipeline, "");
   meter.note("publisher: the map as published, the 3D map, messages");
+  if (params.robot.graph.enabled) {
+    publisher->attach(params.robot, 1);
+  }
+  meter.note("pose graph: keyframes, submaps, constraints");
   std::vector<MemoryShare> shares = meter.take();
   shares.push_back({"stacks of the threads", (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes +
+                                                 (params.robot.graph.enabled ? GraphFeed::kStack_bytes : 0) +
                                                  kPublisherStack_bytes + kFirstStack_bytes});
   shares.push_back({"program and libraries", program_bytes()});
   return shares;

@@ -26,6 +26,10 @@ Publisher::Publisher(const PublisherParams& params, const GridGeometry& geometry
   }
 }
 
+void Publisher::attach(const RobotParams& robot, std::uint64_t seed) {
+  graph_ = std::make_unique<GraphFeed>(robot, seed, pipeline_.lossless);
+}
+
 void Publisher::round(std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   drain(pipeline_.gpio);
@@ -76,6 +80,8 @@ void Publisher::take(RecordType type, std::span<const std::byte> bytes) {
       return take_pose(bytes);
     case RecordType::kMapTile:
       return take_tile(bytes);
+    case RecordType::kKeyframe:
+      return take_keyframe(bytes);
     case RecordType::kEvent:
       return;
   }
@@ -116,6 +122,12 @@ void Publisher::take_pose(std::span<const std::byte> bytes) {
   static_cast<void>(link_.publish(pose));
   if (pose.stamp_ns == last_scan_.stamp_ns) {
     static_cast<void>(link_.publish_points(pose, last_scan_, last_ranges_m_));
+  }
+}
+
+void Publisher::take_keyframe(std::span<const std::byte> bytes) {
+  if (graph_) {
+    graph_->add(record_of<Keyframe>(bytes), elements_of<BeamCode, Keyframe>(bytes));
   }
 }
 
@@ -222,6 +234,18 @@ std::vector<StampedPose> Publisher::online_poses() {
 std::vector<StampedPose> Publisher::final_poses(std::span<const StampedPose> path) {
   const std::lock_guard lock(mutex_);
   return poses_.final(path);
+}
+
+bool Publisher::write_world(bool is_last, std::vector<StampedPose>& trajectory, OccupancyMap& map) {
+  if (!graph_) {
+    return false;
+  }
+  std::vector<StampedPose> odom;
+  {
+    const std::lock_guard lock(mutex_);
+    odom = poses_.odometry();
+  }
+  return graph_->write(odom, is_last, trajectory, map);
 }
 
 std::vector<Point3> Publisher::cloud() {

@@ -13,6 +13,7 @@
 #include "firmware/lcm/log_writer.hpp"
 #include "firmware/pipeline/pipeline.hpp"
 #include "firmware/publisher/cloud_feed.hpp"
+#include "firmware/publisher/graph_feed.hpp"
 #include "firmware/publisher/map_store.hpp"
 #include "firmware/publisher/pose_spool.hpp"
 #include "rt/clock.hpp"
@@ -39,6 +40,12 @@ class Publisher {
 
   [[nodiscard]] LcmLink& link() { return link_; }
 
+  /// Before the first round: the pose graph is fed, and what is saved is its own.
+  void attach(const RobotParams& robot, std::uint64_t seed);
+  /// Starts the pose graph's thread, where there is one. @return  0, or an errno.
+  [[nodiscard]] int start_graph() { return graph_ ? graph_->start() : 0; }
+  [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
+
   /// Takes all that waits; to be called every few milliseconds, and once when the other threads have ended.
   void round(std::int64_t now_ns);
 
@@ -54,6 +61,8 @@ class Publisher {
   [[nodiscard]] OccupancyMap map();
   [[nodiscard]] std::vector<StampedPose> online_poses();
   [[nodiscard]] std::vector<StampedPose> final_poses(std::span<const StampedPose> path);
+  /// Any thread: trajectory and map of the pose graph. @return  False, and nothing written, where there is none.
+  [[nodiscard]] bool write_world(bool is_last, std::vector<StampedPose>& trajectory, OccupancyMap& map);
 
   /// Any thread: the 3D map until now, point by point in the frame `map`; empty where there is none.
   [[nodiscard]] std::vector<Point3> cloud();
@@ -73,6 +82,7 @@ class Publisher {
   void take_motion(std::span<const std::byte> bytes);
   void take_pose(std::span<const std::byte> bytes);
   void take_tile(std::span<const std::byte> bytes);
+  void take_keyframe(std::span<const std::byte> bytes);
   void watch(std::int64_t now_ns);
   void publish_cloud();
   [[nodiscard]] std::vector<Point3> copy_cloud() const;
@@ -92,6 +102,7 @@ class Publisher {
   HealthReport health_;
   MapStore map_;
   std::unique_ptr<CloudFeed> cloud_;  ///< null: there is none
+  std::unique_ptr<GraphFeed> graph_;   ///< null: there is none
   PoseSpool poses_;
   bool wants_link_;
   bool link_refuses_ = false;  ///< messages, and it is told

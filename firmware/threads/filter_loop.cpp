@@ -50,6 +50,7 @@ void FilterLoop::process(const MotionMessage& message) {
   const FilterStep step = message.slot == kNoSlot ? stage_.process(message.motion)
                                                   : stage_.process(pipeline_.pool.at(message.slot), message.motion,
                                                                    pipeline_.lossless ? Deadline{} : deadline.view());
+  tell_keyframe(message, step);
   if (message.slot != kNoSlot) {
     const bool pushed = pipeline_.slots_from_filter.try_push(message.slot);
     ODOLESS_CHECK(pushed);  // there is room for every slot
@@ -62,6 +63,12 @@ void FilterLoop::process(const MotionMessage& message) {
   }
   report();
   pipeline_.filter.heartbeat.fetch_add(1, std::memory_order_relaxed);
+}
+
+void FilterLoop::tell_keyframe(const MotionMessage& message, const FilterStep& step) {
+  if (keyframes_ && keyframes_->add(message.motion) && message.slot != kNoSlot && !stage_.paused()) {
+    keyframes_->send(pipeline_, pipeline_.pool.at(message.slot), step.map_T_odom, map_number_);
+  }
 }
 
 void FilterLoop::obey(const FilterCommand& command) {
@@ -102,6 +109,7 @@ void FilterLoop::publish(const FilterStep& step, const Motion& motion) {
   record.stamp_ns = motion.to_stamp_ns;
   record.map_T_scan = step.map_T_scan;
   record.map_T_odom = step.map_T_odom;
+  record.odom_T_scan = motion.odom_T_current;
   Eigen::Map<Eigen::Matrix3d>(record.covariance.data()) = estimate.covariance;  // symmetric
   record.update_stamp_ns = step.update_stamp_ns;
   record.update_T_scan = step.update_T_scan;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/check.hpp"
+#include "core/graph/keyframe_gate.hpp"
 #include "core/graph/world_map.hpp"
 #include "firmware/stages/stage_chain.hpp"
 #include "rt/cpu_clock.hpp"
@@ -140,15 +141,22 @@ class Recorder {
   std::int64_t last_time_ns_ = 0;
 };
 
-/// The pose graph beside the stages: it hears the same scans and motions, and says at the end where all was.
+/// The pose graph beside the stages, on the scans and motions that they have.
 class GraphRun {
  public:
   GraphRun(const RobotParams& params, std::uint64_t seed)
-      : params_(params), graph_(params.graph, params.limits, params.scan, seed) {}
+      : params_(params), gate_(params.graph), graph_(params.graph, params.limits, params.scan, seed) {}
 
-  void add(const ScanFrame& scan, const Motion& motion) {
+  void add(const ScanFrame& scan, const Motion& motion, const Pose2& map_T_odom) {
     odom_.push_back({scan.stamp_ns(), motion.odom_T_current});
-    bool is_at_work = graph_.add(scan, motion);
+    if (!gate_.add(motion)) {
+      return;
+    }
+    Keyframe keyframe;
+    codes_.resize(static_cast<std::size_t>(gate_.beams(scan)));
+    gate_.encode(scan, map_T_odom, keyframe, codes_);
+    gate_.accept();
+    bool is_at_work = graph_.add(keyframe, codes_);
     while (is_at_work) {
       is_at_work = graph_.work();
     }
@@ -167,7 +175,9 @@ class GraphRun {
 
  private:
   const RobotParams& params_;
+  KeyframeGate gate_;
   SubmapGraph graph_;
+  std::vector<BeamCode> codes_;
   std::vector<StampedPose> odom_;
 };
 
@@ -192,7 +202,7 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
     if (step.verdict == ScanVerdict::kAccepted) {
       recorder.add(used[i], step, chain.frame().time_ns());
       if (graph) {
-        graph->add(chain.frame(), step.motion);
+        graph->add(chain.frame(), step.motion, step.filter.map_T_odom);
       }
     }
     if ((i + 1) * 10 / used.size() > i * 10 / used.size()) {

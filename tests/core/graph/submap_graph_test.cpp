@@ -8,6 +8,7 @@
 #include <cstring>
 #include <vector>
 
+#include "core/graph/keyframe_gate.hpp"
 #include "core/graph/world_map.hpp"
 #include "tests/support/simulated_scene.hpp"
 
@@ -47,6 +48,28 @@ SimulatedScene hotel() {
   }
   return scene;
 }
+
+/// What stands between the scans and the graph.
+class Feed {
+ public:
+  explicit Feed(const GraphParams& params) : gate_(params) {}
+  void add(const ScanFrame& scan, const Motion& motion, SubmapGraph& graph) {
+    if (!gate_.add(motion)) {
+      return;
+    }
+    Keyframe keyframe;
+    std::vector<BeamCode> codes(static_cast<std::size_t>(gate_.beams(scan)));
+    gate_.encode(scan, {}, keyframe, codes);
+    gate_.accept();
+    bool is_at_work = graph.add(keyframe, codes);
+    while (is_at_work) {
+      is_at_work = graph.work();
+    }
+  }
+
+ private:
+  KeyframeGate gate_;
+};
 
 /// A robot that follows corners, and an odometry that errs the same way all the time.
 class Drive {
@@ -105,12 +128,10 @@ class Drive {
     odom.push_back({stamp_ns, motion.odom_T_current});
     const ScanFrame scan =
         sweep(scene_, {.beams = 181, .angle_step_rad = 1.5 * std::numbers::pi / 180}, world_T_scan, rng_, stamp_ns);
-    bool is_at_work = graph.add(scan, motion);
-    while (is_at_work) {
-      is_at_work = graph.work();
-    }
+    feed_.add(scan, motion, graph);
   }
 
+  Feed feed_{GraphParams{}};
   SimulatedScene scene_;
   Pose2 drift_per_m_;
   Rng rng_{1};
@@ -170,6 +191,7 @@ TEST(SubmapGraph, StopsToGrowWhereItIsFullAndGoesOn) {
   params.submaps_max = 16;
   params.keyframes_max = 64;
   SubmapGraph graph(params, {}, {}, 1);
+  Feed feed(params);
   const SimulatedScene scene = ring(18.0, 10.0);
   Rng rng(1);
   Motion motion;
@@ -178,10 +200,7 @@ TEST(SubmapGraph, StopsToGrowWhereItIsFullAndGoesOn) {
       motion = Motion::between(i, i + 1, {0.25, 0.0, 0.0});
       motion.odom_T_current = Pose2{0.25 * i, 0.0, 0.0};
     }
-    bool is_at_work = graph.add(sweep(scene, {.beams = 61}, {-10.5, -6.5, 0.0}, rng, i), motion);
-    while (is_at_work) {
-      is_at_work = graph.work();
-    }
+    feed.add(sweep(scene, {.beams = 61}, {-10.5, -6.5, 0.0}, rng, i), motion, graph);
   }
   graph.finish();
   EXPECT_LE(graph.submaps().size(), 16U);
