@@ -23,8 +23,7 @@ void PoseSpool::add(const PoseRecord& pose) {
   if (!file_) {
     return;
   }
-  const Entry entry{pose.stamp_ns, pose.map_T_scan, pose.update_stamp_ns, pose.update_T_scan,
-                    pose.odom_T_scan};
+  const Entry entry{pose.stamp_ns, pose.map_T_scan, pose.update_stamp_ns, pose.update_T_scan, pose.odom_T_scan};
   if (std::fwrite(&entry, sizeof(entry), 1, file_.get()) != 1) {
     error_ = errno;
   }

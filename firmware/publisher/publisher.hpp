@@ -102,7 +102,7 @@ class Publisher {
   HealthReport health_;
   MapStore map_;
   std::unique_ptr<CloudFeed> cloud_;  ///< null: there is none
-  std::unique_ptr<GraphFeed> graph_;   ///< null: there is none
+  std::unique_ptr<GraphFeed> graph_;  ///< null: there is none
   PoseSpool poses_;
   bool wants_link_;
   bool link_refuses_ = false;  ///< messages, and it is told

@@ -15,7 +15,17 @@ namespace odoless {
 /// Stamps are those of scans: whole microseconds in nanoseconds, on the monotonic clock with its origin moved once, at
 /// start, to the Unix epoch. LCM's utime is stamp_ns / 1000.
 
-enum class RecordType : std::uint32_t { kScan = 1, kRawBytes, kMotion, kPose, kMapTile, kEvent, kTilt, kPath, kKeyframe };
+enum class RecordType : std::uint32_t {
+  kScan = 1,
+  kRawBytes,
+  kMotion,
+  kPose,
+  kMapTile,
+  kEvent,
+  kTilt,
+  kPath,
+  kKeyframe
+};
 
 /// A scan as the device gave it. Followed by `beams` floats: range in metres; infinity: no return; 0: nothing is known.
 struct ScanRecord {
