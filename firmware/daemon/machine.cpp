@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <span>
 
 #include "firmware/daemon/log.hpp"
 #include "firmware/daemon/real_time_entry.hpp"
@@ -22,6 +23,17 @@ PublisherParams publisher_params(const DaemonParams& params) {
 
 CloudFormat format_of(const std::optional<MappingParams>& mapping) {
   return mapping ? mapping->save_as : CloudFormat::kNone;
+}
+
+/// Gives each pose of a path that of the trajectory at its stamp. Both are in the order of their stamps.
+void move_to(std::span<const StampedPose> trajectory, std::span<StampedPose> path) {
+  auto at = trajectory.begin();
+  for (StampedPose& pose : path) {
+    at = std::find_if(at, trajectory.end(), [&](const StampedPose& each) { return each.stamp_ns >= pose.stamp_ns; });
+    if (at != trajectory.end() && at->stamp_ns == pose.stamp_ns) {
+      pose.map_T_scan = at->map_T_scan;
+    }
+  }
 }
 
 }  // namespace
@@ -227,13 +239,16 @@ DaemonResult Machine::result() {
     filter_->filter().write_path(path);
     filter_->filter().write_occupancy(result.map);
     result.trajectory = publisher_.final_poses(path);
+    if (publisher_.write_world(true, result.trajectory, result.map)) {
+      move_to(result.trajectory, path);
+    }
     result.cloud = has_cloud ? publisher_.final_cloud(path) : result.cloud;
   } else {
     result.map = publisher_.map();
     result.trajectory = result.online_trajectory;
+    static_cast<void>(publisher_.write_world(false, result.trajectory, result.map));
     result.cloud = has_cloud ? publisher_.cloud() : result.cloud;
   }
-  static_cast<void>(publisher_.write_world(has_ended(), result.trajectory, result.map));
   result.health = publisher_.health();
   result.cpu = publisher_.cpu();
   result.wall_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
