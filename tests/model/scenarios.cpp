@@ -198,6 +198,7 @@ class Records final : public Scenario {
     consume(tries);
     require(received_ == sent_, "a record is lost");
     require(ring_.rejected() == tries - sent_, "a refusal is not counted");
+    require(ring_.reserve(0, ring_.max_record_bytes()).data() != nullptr, "an empty ring has no room");
   }
 
  private:
