@@ -75,6 +75,21 @@ void hold_standard_descriptors() {
   }
 }
 
+std::string lack_of_priority(const DaemonOptions& options) {
+  const PipelineParams& pipeline = options.params.pipeline;
+  const char* const ordinary = pipeline.sensor_priority == 0                                   ? "sensor"
+                               : has_matcher(options.stages) && pipeline.matcher_priority == 0 ? "matcher"
+                               : has_filter(options.stages) && pipeline.filter_priority == 0   ? "filter"
+                                                                                               : nullptr;
+  if (!options.require_realtime || ordinary == nullptr) {
+    return "";
+  }
+  return fmt::format(
+      "pipeline.{}_priority is 0: an ordinary thread, and real time is required (--require-realtime); "
+      "1 to 98 is needed",
+      ordinary);
+}
+
 Lack lack_of_descriptors() {
   std::array<FileDescriptor, kDescriptors> probes;
   for (int i = 0; i < kDescriptors; ++i) {

@@ -18,6 +18,10 @@ struct Lack {
 /// log lines would go to it.
 void hold_standard_descriptors();
 
+/// Where real time is required: which stage that runs here the configuration makes an ordinary thread; else an empty
+/// text.
+[[nodiscard]] std::string lack_of_priority(const DaemonOptions& options);
+
 /// Files that can be opened besides: 71 where there are too few.
 [[nodiscard]] Lack lack_of_descriptors();
 

@@ -161,7 +161,7 @@ void Supervisor::keep_laser_open() {
   if (error != Errc::kOk) {
     laser_error_ = error;
     surroundings_.device_tried = true;
-  } else if (machine_.line().in_use) {
+  } else if (!machine_.line().is_empty()) {
     laser_error_ = Errc::kOk;
     surroundings_.device_tried = false;
   }
@@ -177,7 +177,7 @@ void Supervisor::keep_tilt_open() {
     log_line(EventPriority::kWarning, fmt::format("{}: {}; it is opened as soon as it can be (tilt.device)",
                                                   options_.params.tilt.device, describe(error)));
   }
-  if (error != Errc::kOk || machine_.tilt_line().in_use) {
+  if (error != Errc::kOk || !machine_.tilt_line().is_empty()) {
     tilt_error_ = error;
   }
 }

@@ -8,6 +8,7 @@
 #include "firmware/daemon/control_server.hpp"
 #include "firmware/daemon/machine.hpp"
 #include "firmware/daemon/signals.hpp"
+#include "firmware/sources/line_keeper.hpp"
 
 namespace odoless {
 

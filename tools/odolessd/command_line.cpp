@@ -55,8 +55,9 @@ void define(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(0.001, 1e6))
       ->capture_default_str();
   app.add_option("--seed", arguments.seed, "Seed of the random generator")->capture_default_str();
-  app.add_flag("--require-realtime", arguments.require_realtime,
-               "End with status 77 where real-time scheduling or locked memory is refused");
+  app.add_flag(
+      "--require-realtime", arguments.require_realtime,
+      "End with status 77 where real-time scheduling or locked memory is refused, 78 where a stage has no priority");
   app.add_flag("--enforce-realtime", arguments.enforce_realtime,
                "Kill the daemon when a real-time thread makes a system call that is not on its list, or uses the heap");
 }
@@ -85,6 +86,9 @@ DaemonOptions options_of(const Arguments& arguments) {
   options.seed = arguments.seed;
   options.require_realtime = arguments.require_realtime;
   options.enforce_realtime = arguments.enforce_realtime;
+  if (const std::string lack = lack_of_priority(options); !lack.empty()) {
+    throw ConfigError({lack});
+  }
   options.folder = arguments.out;
   options.save = [folder = options.folder](const DaemonResult& result) { return save_result(folder, result); };
   options.reload = [config = arguments.config](DaemonParams& params) -> std::string {
