@@ -91,7 +91,7 @@ class DaemonTest(DaemonCase):
         keep_promise(self, 2.0, time_to_have_it_back)
 
     def test_refuses_an_address_that_makes_no_sense(self):
-        outcome = run("odolessd", "--config", self.write_config("name.toml", device="tcp://laser:10940"))
+        outcome = run("odolessd", "--config", self.write_config("name.toml", device="tcp://laser"))
         self.assertEqual(outcome.returncode, EX_CONFIG)
         self.assertIn("lrf.device", outcome.stderr)
 
