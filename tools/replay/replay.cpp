@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/base/check.hpp"
-#include "firmware/stages/stage_chain.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/log_times.hpp"
@@ -141,7 +140,7 @@ class Recorder {
 }  // namespace
 
 ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
-                    const ReplayProgress& progress) {
+                    const ReplayProgress& progress, const ReplayWatcher& watcher) {
   const std::vector<int> used = used_scans(log, options.every);
   StageChain chain(params, options.seed, false);
   Recorder recorder(log);
@@ -154,6 +153,9 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
     }
     if (step.verdict == ScanVerdict::kAccepted) {
       recorder.add(used[i], step, chain.frame().time_ns());
+      if (watcher) {
+        watcher(step, raw, chain);
+      }
     }
     if ((i + 1) * 10 / used.size() > i * 10 / used.size()) {
       recorder.result().rss_bytes_by_tenth.push_back(ResourceMeter::rss_bytes());
