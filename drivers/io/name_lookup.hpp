@@ -16,7 +16,7 @@ namespace odoless {
 class NameLookup {
  public:
   static constexpr std::int64_t kPatience_ns = 300'000'000;
-  static constexpr std::size_t kAddressesMax = 4;
+  static constexpr std::size_t kAddressesMax = 3;
 
   NameLookup();
   ~NameLookup();
