@@ -65,8 +65,7 @@ struct LrfParams {
   static void describe(Self& self, Visitor& visit) {
     visit.choice("driver", self.driver, kLrfDriverNames,
                  "Protocol of the laser range finder; lcm: another program reads it, and scans come over LCM.");
-    visit.text("device", self.device,
-               "Where the laser is: a path, tcp://ADDRESS:PORT (numbers, no name), or usb://VENDOR:PRODUCT[/SERIAL].");
+    visit.text("device", self.device, "Where the laser is: a path, tcp://HOST:PORT, or usb://VENDOR:PRODUCT[/SERIAL].");
     visit.text("channel", self.channel, "Channel of the scans (planar_lidar_t) for the driver lcm.");
     visit.value("baud", self.baud, Range{0, 4'000'000},
                 "Rate of the serial line, which Hokuyo and SICK lasers are switched to; 0: the one that the laser has "

@@ -26,7 +26,7 @@ std::string DaemonParams::contradiction() const {
     return fmt::format("lrf.sick_variant has {} beams, more than scan.beams_max = {}, which must be larger", beams,
                        beams_max);
   }
-  return "";
+  return web.contradiction();
 }
 
 }  // namespace odoless

@@ -18,7 +18,7 @@ constexpr std::int64_t kSensorBudget_ns = 5'000'000;
 GridGeometry geometry_of(const FilterStage* filter) { return filter != nullptr ? filter->geometry() : GridGeometry{}; }
 
 PublisherParams publisher_params(const DaemonParams& params) {
-  return {params.lcm, params.recorder, params.health, params.lrf.driver, params.mapping_in_use()};
+  return {params.lcm, params.recorder, params.health, params.lrf.driver, params.mapping_in_use(), params.web.is_used()};
 }
 
 CloudFormat format_of(const std::optional<MappingParams>& mapping) {

@@ -8,7 +8,6 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
@@ -90,17 +89,17 @@ std::string lack_of_priority(const DaemonOptions& options) {
       ordinary);
 }
 
-Lack lack_of_descriptors() {
-  std::array<FileDescriptor, kDescriptors> probes;
-  for (int i = 0; i < kDescriptors; ++i) {
-    FileDescriptor& probe = probes[static_cast<std::size_t>(i)];
-    probe.reset(::eventfd(0, EFD_CLOEXEC));
-    if (!probe.valid()) {
+Lack lack_of_descriptors(int connections) {
+  std::vector<FileDescriptor> probes(static_cast<std::size_t>(kDescriptors + connections));
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    probes[i].reset(::eventfd(0, EFD_CLOEXEC));
+    if (!probes[i].valid()) {
       const int error = errno;
-      probes = {};
+      const std::size_t needed = probes.size();
+      probes.clear();
       return {EX_OSERR, fmt::format("only {} files can be opened ({}), and {} are needed: the limit must be higher "
                                     "(ulimit -n, LimitNOFILE of systemd)",
-                                    i, reason_of(error), kDescriptors)};
+                                    i, reason_of(error), needed)};
     }
   }
   return {};

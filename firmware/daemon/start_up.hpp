@@ -22,8 +22,8 @@ void hold_standard_descriptors();
 /// text.
 [[nodiscard]] std::string lack_of_priority(const DaemonOptions& options);
 
-/// Files that can be opened besides: 71 where there are too few.
-[[nodiscard]] Lack lack_of_descriptors();
+/// Files that can be opened besides, and a connection for each of that many browsers: 71 where there are too few.
+[[nodiscard]] Lack lack_of_descriptors(int connections);
 
 /// The folders for results and for the recorder: 73 where one cannot be written to.
 [[nodiscard]] Lack lack_of_folders(const DaemonOptions& options);

@@ -44,7 +44,6 @@ class Supervisor {
   [[nodiscard]] std::string obey(const ControlCommand& command);
   [[nodiscard]] std::string command_tilt(TiltCommand command);
   [[nodiscard]] std::string command_filter(const ControlCommand& command);
-  [[nodiscard]] std::string status_text();
   [[nodiscard]] std::string save();
   [[nodiscard]] int end();
   [[noreturn]] void end_without_stages();

@@ -105,18 +105,8 @@ void FilterLoop::adapt(std::int64_t used_ns, std::int64_t time_ns) {
 
 void FilterLoop::publish(const FilterStep& step, const Motion& motion) {
   const PoseEstimate estimate = stage_.filter().estimate();
-  PoseRecord record;
-  record.stamp_ns = motion.to_stamp_ns;
-  record.map_T_scan = step.map_T_scan;
-  record.map_T_odom = step.map_T_odom;
+  PoseRecord record = pose_record_of(step, estimate, stage_, motion.to_stamp_ns);
   record.odom_T_scan = motion.odom_T_current;
-  Eigen::Map<Eigen::Matrix3d>(record.covariance.data()) = estimate.covariance;  // symmetric
-  record.update_stamp_ns = step.update_stamp_ns;
-  record.update_T_scan = step.update_T_scan;
-  record.effective_particles = stage_.filter().effective_particles();
-  record.log_likelihood_per_beam = step.report.log_likelihood_per_beam;
-  record.particles = stage_.filter().particles();
-  record.updated = step.updated ? 1 : 0;
   record.map_number = map_number_;
   send(pipeline_, pipeline_.filter.outbox, RecordType::kPose, record);
   tiles_.send(pipeline_.filter.outbox, step, record.stamp_ns, motion.to_stamp_ns - motion.from_stamp_ns);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "drivers/io/device_address.hpp"
+#include "drivers/io/device_advice.hpp"
 #include "tools/command/error.hpp"
 #include "tools/probe/ask_lrf.hpp"
 #include "tools/probe/connected.hpp"
@@ -91,7 +92,7 @@ Errc ask(const std::string& address, const Protocol& protocol, const ProbeOption
   const double patience_s = std::min(options.patience_s, protocol.patience_s);
   const Result<LrfAnswer> asked = ask_lrf(params, std::llround(patience_s * 1e9));
   if (!asked.ok()) {
-    fmt::print("#   no laser that speaks {} answers: {}\n", protocol.name, describe(asked.error()));
+    fmt::print("#   no laser that speaks {} answers: {}\n", protocol.name, device_error_text(asked.error(), address));
     return asked.error();
   }
   const LrfAnswer& answer = asked.value();

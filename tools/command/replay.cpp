@@ -25,6 +25,7 @@
 #include "tools/output/trajectory.hpp"
 #include "tools/output/whole_file.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/replay/replay_page.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/verdict.hpp"
 
@@ -39,6 +40,7 @@ struct LogJob {
   std::filesystem::path out;
   std::string config;
   std::string truth;
+  std::string web;
   double period_ms = 200.0;
   bool strict = false;
   ReplayOptions options;
@@ -153,11 +155,12 @@ void run_replay(const LogJob& job) {
   Outcome outcome;
   const ScanLog log = read_log(job, outcome.corrected);
   make_output_folder(job.out);
+  const auto page = job.web.empty() ? nullptr : std::make_unique<ReplayPage>(job.web);
   const std::int64_t scans = scans_used(log, job.options.every);
   ReplayResult result;
   {
     Progress bar(scans, InPipe::kLines);
-    result = replay(log, params, job.options, show_on(bar));
+    result = replay(log, params, job.options, show_on(bar), page ? page->watcher() : ReplayWatcher());
   }
   outcome.figures = figures_of(result);
   outcome.verdict = judge(outcome.figures);
@@ -171,6 +174,9 @@ void run_replay(const LogJob& job) {
   close(job, outcome);
   if (!outcome.figures.is_mapped) {
     throw DataError(job.log, 0, "nothing was mapped", "ranges between scan.range_min_m and scan.range_max_m");
+  }
+  if (page) {
+    page->stay();
   }
 }
 
@@ -223,6 +229,7 @@ void add_replay(CLI::App& app) {
   const auto job = std::make_shared<LogJob>();
   CLI::App* const command = add_log_job(app, "replay", "Map a recorded log with the laser alone", *job);
   command->add_option("--truth", job->truth, "True poses, only drawn into the picture: TUM, `stamp x y yaw`, or a log");
+  command->add_option("--web", job->web, "ADDRESS:PORT of a page that shows the replay, until interrupted");
   command->callback([job] { run_replay(*job); });
 }
 

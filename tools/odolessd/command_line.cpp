@@ -21,6 +21,7 @@
 #include "tools/odolessd/replay_source.hpp"
 #include "tools/odolessd/save.hpp"
 #include "tools/output/whole_file.hpp"
+#include "tools/probe/connected.hpp"
 
 namespace odoless {
 namespace {
@@ -117,6 +118,20 @@ void add_replay(const Arguments& arguments, DaemonOptions& options) {
   options.lossless = arguments.rate <= 0.0;
 }
 
+/// A daemon that was told nothing may be somebody's first try: says what it does, what is connected, and how to go on.
+void advise_beginner(const DaemonOptions& options) {
+  const std::string& device = options.params.lrf.device;
+  fmt::print(stderr, "odolessd: no configuration (--config ROBOT.toml): as built in, a Hokuyo laser on {}\n", device);
+  const std::vector<SerialDevice> connected = connected_serial_devices();
+  for (const SerialDevice& line : connected) {
+    fmt::print(stderr, "odolessd: connected: {}{}\n", line.stable_path, line.name.empty() ? "" : ", " + line.name);
+  }
+  fmt::print(stderr,
+             "odolessd: {}`odoless probe` asks lasers and prints the configuration for them; `odoless emulate lrf "
+             "--pty PATH` is one to try with\n",
+             connected.empty() ? "no serial line is connected; " : "");
+}
+
 int run(const Arguments& arguments) {
   DaemonOptions options = options_of(arguments);
   if (arguments.check) {
@@ -128,6 +143,8 @@ int run(const Arguments& arguments) {
   }
   if (!arguments.replay.empty()) {
     add_replay(arguments, options);
+  } else if (arguments.config.empty() && has_matcher(options.stages)) {
+    advise_beginner(options);
   }
   return run_daemon(std::move(options));
 }

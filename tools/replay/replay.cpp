@@ -8,7 +8,6 @@
 #include "core/base/check.hpp"
 #include "core/graph/keyframe_gate.hpp"
 #include "core/graph/world_map.hpp"
-#include "firmware/stages/stage_chain.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/log_times.hpp"
@@ -184,7 +183,7 @@ class GraphRun {
 }  // namespace
 
 ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
-                    const ReplayProgress& progress) {
+                    const ReplayProgress& progress, const ReplayWatcher& watcher) {
   const std::vector<int> used = used_scans(log, options.every);
   StageChain chain(params, options.seed, false);
   Recorder recorder(log);
@@ -203,6 +202,9 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
       recorder.add(used[i], step, chain.frame().time_ns());
       if (graph) {
         graph->add(chain.frame(), step.motion, step.filter.map_T_odom);
+      }
+      if (watcher) {
+        watcher(step, raw, chain);
       }
     }
     if ((i + 1) * 10 / used.size() > i * 10 / used.size()) {

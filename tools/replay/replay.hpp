@@ -12,6 +12,7 @@
 #include "core/graph/submap_graph.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "firmware/records/health.hpp"
+#include "firmware/stages/stage_chain.hpp"
 #include "tools/log/scan_log.hpp"
 #include "tools/output/matches.hpp"
 
@@ -22,6 +23,9 @@ struct ReplayOptions {
   int every = 1;
   std::uint64_t seed = 1;
 };
+
+/// Called after each scan that was accepted, with what the stages made of it; may be empty.
+using ReplayWatcher = std::function<void(const ChainStep&, const RawScan&, StageChain&)>;
 
 /// Called after each scan: scans done, scans in all, fitness of the last match.
 using ReplayProgress = std::function<void(std::int64_t, std::int64_t, double)>;
@@ -53,7 +57,7 @@ struct ReplayResult {
 /// Runs a log through the stages of the daemon on one thread. The same log, parameters and options give the same
 /// result, but for times and memory.
 [[nodiscard]] ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
-                                  const ReplayProgress& progress);
+                                  const ReplayProgress& progress, const ReplayWatcher& watcher = {});
 
 /// Matches each scan used with the one before: no filter, no local map, no expectation.
 [[nodiscard]] std::vector<MatchRow> match_pairs(const ScanLog& log, const RobotParams& params,
