@@ -16,6 +16,7 @@ struct TestedLaser {
   int wrong_baud =
       0;  ///< a rate that the driver keeps to though the laser has another; 0: the driver finds the right one
   RplidarScan rplidar_scan = RplidarScan::kStandard;
+  SickVariant sick_variant = SickVariant::k180ByHalf;
   bool has_sums = true;  ///< its protocol: what is damaged can be told
 
   [[nodiscard]] LrfParams params() const {
@@ -23,6 +24,7 @@ struct TestedLaser {
     params.driver = driver;
     params.baud = baud;
     params.rplidar_scan = rplidar_scan;
+    params.sick_variant = sick_variant;
     return params;
   }
   friend void PrintTo(const TestedLaser& laser, std::ostream* out) { *out << laser.name; }
@@ -33,6 +35,11 @@ inline constexpr TestedLaser kTestedLasers[] = {
     {.name = "scip_urg", .model = "urg-04lx", .driver = LrfDriver::kScip},
     {.name = "scip_utm", .model = "utm-30lx", .driver = LrfDriver::kScip},
     {.name = "sick", .model = "lms200", .driver = LrfDriver::kSick, .baud = 38400},
+    {.name = "sick_degree",
+     .model = "lms200",
+     .driver = LrfDriver::kSick,
+     .baud = 38400,
+     .sick_variant = SickVariant::k180By1},
     {.name = "sick_quick", .model = "lms291", .driver = LrfDriver::kSick, .baud = 500000},
     {.name = "rplidar_standard",
      .model = "rplidar-a1",
