@@ -68,6 +68,10 @@ void print_configuration(const LrfAnswer& answer, const std::string& alternative
   if (params.baud != 0) {
     fmt::print("baud = {}\n", params.baud);
   }
+  if (params.driver == LrfDriver::kYdlidar) {
+    fmt::print(
+        "ydlidar_ranging = \"triangle\"  # \"time_of_flight\" for a TG or TX, which nothing in its packets tells\n");
+  }
   if (params.driver != LrfDriver::kSick) {
     return;
   }

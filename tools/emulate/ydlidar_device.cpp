@@ -99,7 +99,9 @@ YdlidarDevice::YdlidarDevice(const YdlidarModel& model, EmulatedScans& source, E
 void YdlidarDevice::restart(std::int64_t now_ns) {
   received_.clear();
   streams_ = !model_.takes_commands;
-  send(information(), now_ns);
+  if (streams_) {
+    send(information(), now_ns);
+  }
 }
 
 std::string YdlidarDevice::information() const {
