@@ -1,14 +1,11 @@
 #include "drivers/lrf/ydlidar/packet.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 namespace odoless::ydlidar {
 namespace {
 
-constexpr std::byte kStart{0xAA};
 constexpr std::byte kSecond{0x55};
 constexpr std::size_t kCount = 3;
 constexpr std::size_t kFirstAngle = 4;
@@ -44,28 +41,17 @@ double parallax_deg(double range_m) {
   return std::atan(kBaselineMm * (kStraightMm - range_mm) / (kStraightMm * range_mm)) * 180.0 / std::numbers::pi;
 }
 
-bool PacketReader::can_start() const {
-  return (size_ < 1 || buffer_[0] == kStart) && (size_ < 2 || buffer_[1] == kSecond) &&
-         (size_ <= kCount || buffer_[kCount] != std::byte{0});
+bool PacketFormat::can_start(std::span<const std::byte> bytes) {
+  return (bytes.empty() || bytes[0] == kStart) && (bytes.size() < 2 || bytes[1] == kSecond) &&
+         (bytes.size() <= kCount || bytes[kCount] != std::byte{0});
 }
 
-std::size_t PacketReader::wanted_bytes() const {
-  return size_ < kHeadBytes ? kHeadBytes : kHeadBytes + kSampleBytes * std::to_integer<std::size_t>(buffer_[kCount]);
+std::size_t PacketFormat::size_bytes(std::span<const std::byte> bytes) {
+  const std::size_t count = bytes.size() <= kCount ? 1 : std::to_integer<std::size_t>(bytes[kCount]);
+  return kHeadBytes + kSampleBytes * count;
 }
 
-void PacketReader::drop(std::size_t count) {
-  const auto begin = buffer_.begin();
-  std::copy(begin + static_cast<std::ptrdiff_t>(count), begin + static_cast<std::ptrdiff_t>(size_), begin);
-  size_ -= count;
-}
-
-void PacketReader::drop_to_next_start() {
-  const auto begin = buffer_.begin();
-  drop(static_cast<std::size_t>(std::find(begin + 1, begin + static_cast<std::ptrdiff_t>(size_), kStart) - begin));
-}
-
-bool PacketReader::decode() {
-  const auto bytes = std::span<const std::byte>(buffer_).first(wanted_bytes());
+bool PacketFormat::decode(std::span<const std::byte> bytes) {
   const unsigned first = number_at(bytes, kFirstAngle);
   const unsigned last = number_at(bytes, kLastAngle);
   const double first_deg = (first >> 1U) / kPerDegree;
@@ -86,32 +72,6 @@ bool PacketReader::decode() {
     packet_.samples[i] = static_cast<std::uint16_t>(number_at(bytes, kHeadBytes + kSampleBytes * i));
   }
   return true;
-}
-
-// What is kept after damage may hold whole packets.
-PacketReader::Outcome PacketReader::take(std::span<const std::byte>& bytes) {
-  for (;;) {
-    if (!can_start()) {
-      drop_to_next_start();
-      if (!std::exchange(told_, true)) {
-        return Outcome::kSkipped;
-      }
-    } else if (size_ >= std::max(wanted_bytes(), kHeadBytes + kSampleBytes)) {
-      if (decode()) {
-        drop(packet_bytes());
-        told_ = false;
-        return Outcome::kPacket;
-      }
-      drop_to_next_start();
-      told_ = true;
-      return Outcome::kWrongSum;
-    } else if (bytes.empty()) {
-      return Outcome::kMore;
-    } else {
-      buffer_[size_++] = bytes.front();
-      bytes = bytes.subspan(1);
-    }
-  }
 }
 
 }  // namespace odoless::ydlidar

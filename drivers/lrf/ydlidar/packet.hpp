@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <span>
 
+#include "drivers/lrf/packet_finder.hpp"
+
 namespace odoless::ydlidar {
 
 inline constexpr std::size_t kHeadBytes = 10;
@@ -34,6 +36,7 @@ struct Packet {
   std::size_t count = 0;
   std::array<std::uint16_t, kSamplesMax> samples{};  ///< ranges in the device's unit; 0: nothing answered
 
+  [[nodiscard]] std::size_t size_bytes() const { return kHeadBytes + kSampleBytes * count; }
   [[nodiscard]] double angle_deg(std::size_t sample) const {
     const double steps = count > 1 ? static_cast<double>(count - 1) : 1.0;
     const double angle_deg = first_deg + sweep_deg * static_cast<double>(sample) / steps;
@@ -41,37 +44,19 @@ struct Packet {
   }
 };
 
-/// Finds packets in a stream of bytes. After damage it looks for the next start within what it has kept, so that no
-/// other packet is lost.
-///
-/// Thread: one thread. Real time: no allocation; time linear in the bytes, times kPacketBytesMax where all are garbage.
-class PacketReader {
+/// See PacketFinder. Wrong is also an angle that cannot be.
+class PacketFormat {
  public:
-  enum class Outcome : std::uint8_t {
-    kMore,      ///< all bytes are used, and no packet is complete
-    kPacket,    ///< `packet` holds one
-    kSkipped,   ///< bytes are thrown away up to what looks like a start
-    kWrongSum,  ///< what looked like a packet has the wrong check word, or angles that cannot be
-  };
+  static constexpr std::byte kStart{0xAA};
 
-  /// Takes bytes off the front of `bytes` until something is found. Call until it says kMore.
-  [[nodiscard]] Outcome take(std::span<const std::byte>& bytes);
+  [[nodiscard]] static bool can_start(std::span<const std::byte> bytes);
+  [[nodiscard]] static std::size_t size_bytes(std::span<const std::byte> bytes);
+  [[nodiscard]] bool decode(std::span<const std::byte> bytes);
   [[nodiscard]] const Packet& packet() const { return packet_; }
-  [[nodiscard]] std::size_t packet_bytes() const { return kHeadBytes + kSampleBytes * packet_.count; }
-  void clear() { size_ = 0; }
 
  private:
-  [[nodiscard]] bool can_start() const;
-  /// By the number of samples, where that has come.
-  [[nodiscard]] std::size_t wanted_bytes() const;
-  [[nodiscard]] bool decode();
-  void drop(std::size_t count);
-  void drop_to_next_start();
-
-  std::array<std::byte, kPacketBytesMax> buffer_{};
-  std::size_t size_ = 0;
-  bool told_ = false;  ///< that bytes are skipped, since the last packet
   Packet packet_;
 };
+using PacketReader = PacketFinder<PacketFormat, kPacketBytesMax>;
 
 }  // namespace odoless::ydlidar
