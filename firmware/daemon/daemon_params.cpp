@@ -16,7 +16,8 @@ std::string DaemonParams::contradiction() const {
                              beams, beams_max);
   };
   for (const std::string& said : {too_many(LrfDriver::kRplidar, "rplidar_beams", lrf.rplidar_beams),
-                                  too_many(LrfDriver::kLdrobot, "ldrobot_beams", lrf.ldrobot_beams)}) {
+                                  too_many(LrfDriver::kLdrobot, "ldrobot_beams", lrf.ldrobot_beams),
+                                  too_many(LrfDriver::kYdlidar, "ydlidar_beams", lrf.ydlidar_beams)}) {
     if (!said.empty()) {
       return said;
     }

@@ -115,12 +115,15 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
   express.rplidar_scan = RplidarScan::kExpress;
   LrfParams ldrobot;
   ldrobot.driver = LrfDriver::kLdrobot;
+  LrfParams ydlidar;
+  ydlidar.driver = LrfDriver::kYdlidar;
   for (const auto& [model, params, ahead] :
        std::vector<std::tuple<std::string, LrfParams, std::size_t>>{{"lms291", sick, 180},
                                                                     {"lms200", slow_sick, 180},
                                                                     {"rplidar-a1", rplidar, 0},
                                                                     {"rplidar-a2", express, 0},
-                                                                    {"ld06", ldrobot, 0}}) {
+                                                                    {"ld06", ldrobot, 0},
+                                                                    {"ydlidar-x4", ydlidar, 0}}) {
     SCOPED_TRACE(model);
     const test::TemporaryFolder folder;
     const std::string pty = folder.path() / "laser";
@@ -154,8 +157,9 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
 }
 
 TEST(Probe, FindsOutWhichProtocolALaserSpeaks) {
-  for (const auto& [model, driver] : {std::pair("urg-04lx", "scip"), std::pair("lms200", "sick"),
-                                      std::pair("rplidar-a1", "rplidar"), std::pair("ld19", "ldrobot")}) {
+  for (const auto& [model, driver] :
+       {std::pair("urg-04lx", "scip"), std::pair("lms200", "sick"), std::pair("rplidar-a1", "rplidar"),
+        std::pair("ld19", "ldrobot"), std::pair("ydlidar-x2", "ydlidar"), std::pair("ydlidar-x4", "ydlidar")}) {
     SCOPED_TRACE(model);
     const test::TemporaryFolder folder;
     const std::string pty = folder.path() / "laser";
