@@ -37,6 +37,7 @@ constexpr Rgb kTruthColour{0, 90, 181};
 
 struct LogJob {
   std::string log;
+  std::string topic;
   std::filesystem::path out;
   std::string config;
   std::string truth;
@@ -56,7 +57,8 @@ RobotParams load(const std::string& config) {
 
 /// A log that can be a laser's; what was corrected for that is said.
 ScanLog read_log(const LogJob& job, std::vector<std::string>& corrected) {
-  ScanLog log = read_plausible_log(job.log, static_cast<std::int64_t>(job.period_ms * 1e6), corrected);
+  ScanLog log = read_plausible_log(
+      job.log, {.default_period_ns = static_cast<std::int64_t>(job.period_ms * 1e6), .topic = job.topic}, corrected);
   tell_corrections(job.log, corrected);
   return log;
 }
@@ -209,7 +211,8 @@ void run_match(const LogJob& job) {
 
 CLI::App* add_log_job(CLI::App& app, const char* name, const char* what, LogJob& job) {
   CLI::App* const command = app.add_subcommand(name, what);
-  command->add_option("LOG", job.log, "Recorded log (see `odoless info`); .gz and .xz are read too")->required();
+  command->add_option("LOG", job.log, "Recorded log, of any kind that `odoless info` reads")->required();
+  command->add_option("--topic", job.topic, "Topic of the scans, where a log of messages has several");
   command->add_option("--out", job.out, "Folder for the results")->required();
   command->add_option("--config", job.config, "TOML file that overrides defaults (see `odoless config defaults`)");
   command->add_option("--every", job.options.every, "Use every N-th scan")

@@ -32,6 +32,7 @@ struct Arguments {
   std::string stages = "sensor,matcher,filter";
   std::string replay;
   double rate = 0.0;
+  std::string topic;
   double period_ms = 200.0;
   std::uint64_t seed = 1;
   bool check = false;
@@ -52,6 +53,7 @@ void define(CLI::App& app, Arguments& arguments) {
                  "Recorded seconds per second; 0: as fast as possible, and nothing is dropped")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
+  app.add_option("--topic", arguments.topic, "Topic of the scans, where the log of --replay has several");
   app.add_option("--period-ms", arguments.period_ms, "Time between scans of a log without stamps")
       ->check(CLI::Range(0.001, 1e6))
       ->capture_default_str();
@@ -109,7 +111,9 @@ void add_replay(const Arguments& arguments, DaemonOptions& options) {
     throw UsageError("--replay needs the sensor and matcher stages here");
   }
   std::vector<std::string> corrected;
-  ScanLog log = read_plausible_log(arguments.replay, static_cast<std::int64_t>(arguments.period_ms * 1e6), corrected);
+  ScanLog log = read_plausible_log(
+      arguments.replay,
+      {.default_period_ns = static_cast<std::int64_t>(arguments.period_ms * 1e6), .topic = arguments.topic}, corrected);
   for (const std::string& correction : corrected) {
     fmt::print(stderr, "odolessd: {}: {}\n", arguments.replay, correction);
   }

@@ -1,4 +1,4 @@
-#include "tools/emulate/event_log.hpp"
+#include "tools/log/event_log.hpp"
 
 #include <fmt/core.h>
 
@@ -38,6 +38,7 @@ bool EventLog::read(std::span<char> out) {
       return false;
     }
     out = out.subspan(got);
+    lost_bytes_ += got;
   }
   return true;
 }
@@ -91,8 +92,12 @@ bool EventLog::next(LoggedMessage& message) {
     fail(fmt::format("message {} has a channel of {} bytes and {} bytes of data", message.number, channel_bytes,
                      data_bytes));
   }
-  return read_many(message.channel, static_cast<std::size_t>(channel_bytes)) &&
-         read_many(message.data, static_cast<std::size_t>(data_bytes));
+  if (!read_many(message.channel, static_cast<std::size_t>(channel_bytes)) ||
+      !read_many(message.data, static_cast<std::size_t>(data_bytes))) {
+    return false;
+  }
+  lost_bytes_ -= sizeof(kMagic) + header.size() + message.channel.size() + message.data.size();
+  return true;
 }
 
 }  // namespace odoless

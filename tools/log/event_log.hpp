@@ -34,6 +34,9 @@ class EventLog {
   /// @throws DataError where it is no LCM log, or too much of it is damaged; what ByteStream::read throws.
   [[nodiscard]] bool next(LoggedMessage& message);
 
+  /// How many bytes up to here belong to no whole message.
+  [[nodiscard]] std::size_t lost_bytes() const { return lost_bytes_; }
+
  private:
   [[nodiscard]] bool find_message();
   /// False at the end.
@@ -44,6 +47,7 @@ class EventLog {
 
   std::unique_ptr<ByteStream> bytes_;
   std::string name_;
+  std::size_t lost_bytes_ = 0;
 };
 
 }  // namespace odoless
