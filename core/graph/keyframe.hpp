@@ -18,7 +18,7 @@ struct Keyframe {
   std::int32_t beams = 0;
   std::int32_t map_number = 0;  ///< grows when mapping begins anew
   Pose2 odom_T_scan{};
-  Pose2 map_T_odom{};  ///< as the filter has it; where a map begins, this is where
+  Pose2 map_T_odom{};            ///< as the filter has it; where a map begins, this is where
   OdometryStretch since_last{};  ///< from the keyframe before
 };
 

@@ -20,7 +20,9 @@ class KeyframeGate {
   /// Every motion, with or without its scan. @return  Whether a scan that it ends at should be a keyframe.
   [[nodiscard]] bool add(const Motion& motion);
   /// Of the scan that the last motion ended at.
-  [[nodiscard]] int beams(const ScanFrame& scan) const { return keyframe_beams(scan.size(), params_.keyframe_beams_max); }
+  [[nodiscard]] int beams(const ScanFrame& scan) const {
+    return keyframe_beams(scan.size(), params_.keyframe_beams_max);
+  }
   void encode(const ScanFrame& scan, const Pose2& map_T_odom, Keyframe& keyframe, std::span<BeamCode> codes) const;
   /// That keyframe has been handed on. Without this the next scan is asked for, and nothing of the motion is lost.
   void accept() { since_last_ = OdometryStretch{}, has_begun_ = true; }

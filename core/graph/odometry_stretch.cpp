@@ -52,8 +52,7 @@ OdometryStretch OdometryStretch::of(const Motion& motion) {
 OdometryStretch OdometryStretch::then(const OdometryStretch& next) const {
   OdometryStretch out;
   out.start_T_end = start_T_end * next.start_T_end;
-  out.covariance =
-      rows_of<3>(carried(matrix_of<3>(covariance), next.start_T_end) + matrix_of<3>(next.covariance));
+  out.covariance = rows_of<3>(carried(matrix_of<3>(covariance), next.start_T_end) + matrix_of<3>(next.covariance));
   const Point2 before_m = turned_back(slip_m, next.start_T_end.yaw_rad);
   const double sign = before_m.x_m * next.slip_m.x_m + before_m.y_m * next.slip_m.y_m < 0.0 ? -1.0 : 1.0;
   out.slip_m = {before_m.x_m + sign * next.slip_m.x_m, before_m.y_m + sign * next.slip_m.y_m};

@@ -269,7 +269,8 @@ double SubmapGraph::used() const {
 }
 
 Pose2 SubmapGraph::map_T_odom() const {
-  return submaps_.empty() ? (store_.size() > 0 ? store_[0].map_T_odom : Pose2{}) : graph_.poses().back() * submaps_.back().odom_T_submap.inverse();
+  return submaps_.empty() ? (store_.size() > 0 ? store_[0].map_T_odom : Pose2{})
+                          : graph_.poses().back() * submaps_.back().odom_T_submap.inverse();
 }
 
 std::vector<StampedPose> SubmapGraph::corrected(std::span<const StampedPose> odom) const {
