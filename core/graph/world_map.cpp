@@ -2,21 +2,37 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/slam/scan_beams.hpp"
 
 namespace odoless {
 
+namespace {
+
+constexpr double kCells_max = 1e8;  // of what is written; beyond, cells are twice as large, and so on
+
+}  // namespace
+
 // The grid's centre is the map's origin, so that the farthest keyframe says how large it is.
 void WorldMap::cover(const SubmapWorld& world) {
+  constexpr double kNone_m = std::numeric_limits<double>::infinity();
   double reach_m = 0.0;
+  Point2 least_m{kNone_m, kNone_m};
+  Point2 most_m{-kNone_m, -kNone_m};
   for (std::size_t i = 0; i < world.submaps.size(); ++i) {
     const Submap& submap = world.submaps[i];
     for (int k = submap.first_keyframe; k < submap.first_keyframe + submap.keyframes; ++k) {
       const Pose2 map_T_scan = world.graph.pose(static_cast<int>(i)) * world.store.submap_T_scan(k);
       const double seen_m = world.store.farthest_m(k);
       reach_m = std::max({reach_m, std::abs(map_T_scan.x_m) + seen_m, std::abs(map_T_scan.y_m) + seen_m});
+      least_m = {std::min(least_m.x_m, map_T_scan.x_m - seen_m), std::min(least_m.y_m, map_T_scan.y_m - seen_m)};
+      most_m = {std::max(most_m.x_m, map_T_scan.x_m + seen_m), std::max(most_m.y_m, map_T_scan.y_m + seen_m)};
     }
+  }
+  const double area_m2 = reach_m > 0.0 ? (most_m.x_m - least_m.x_m) * (most_m.y_m - least_m.y_m) : 0.0;
+  while (area_m2 > kCells_max * resolution_m_ * resolution_m_) {
+    resolution_m_ *= 2.0;
   }
   const double tile_m = resolution_m_ * kTileSide_cells;
   side_tiles_ = 2 * (static_cast<int>(std::ceil(reach_m / tile_m)) + 1);
@@ -83,8 +99,9 @@ void WorldMap::write(OccupancyMap& map) const {
   map.occupancy_percent.assign(static_cast<std::size_t>(map.width_cells) * static_cast<std::size_t>(map.height_cells),
                                OccupancyMap::kUnknown);
   for (std::size_t i = 0; i < map.occupancy_percent.size(); ++i) {
-    const int column = first_column * kTileSide_cells + static_cast<int>(i) % map.width_cells;
-    const int row = first_row * kTileSide_cells + static_cast<int>(i) / map.width_cells;
+    const auto width = static_cast<std::size_t>(map.width_cells);
+    const int column = first_column * kTileSide_cells + static_cast<int>(i % width);
+    const int row = first_row * kTileSide_cells + static_cast<int>(i / width);
     const Tile* const at = tile(column >> kTileBits, row >> kTileBits);
     const Cell cell = at == nullptr ? Cell{} : (*at)[GridCell{column, row}.index_in_tile<kTileBits>()];
     if (!cell.is_unknown()) {

@@ -19,7 +19,8 @@ namespace odoless {
 /// Frames: map. Thread: owned by one thread. Not for real-time threads: it allocates.
 class WorldMap {
  public:
-  /// @param beam  How beams make a map; `resolution_m` is a cell's side.
+  /// @param beam          How beams make a map.
+  /// @param resolution_m  A cell's side; of a world of more than 10^8 cells it is doubled until there are fewer.
   WorldMap(const BeamModelParams& beam, double resolution_m) : beam_(beam), resolution_m_(resolution_m) {}
 
   /// Adds every keyframe of the world. @param scan  Its ranges beyond `range_max_m` are no returns.

@@ -55,7 +55,7 @@ class LineHandover {
 
  private:
   enum class State : std::int32_t { kEmpty, kOffered, kInUse, kReturned };
-  struct Word {
+  struct alignas(8) Word {  // as an atomic word has to be
     State state;
     std::int32_t descriptor;
   };

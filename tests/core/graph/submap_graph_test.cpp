@@ -234,6 +234,31 @@ TEST(WorldMap, HasTheWallsOfTheWorldAtTheirPlaces) {
   EXPECT_GT(right, 0.97 * occupied);
 }
 
+// 40 km by 40 km with cells of 5 cm would be 6 * 10^11 of them.
+TEST(WorldMap, OfAVastWorldHasLargerCells) {
+  GraphParams params;
+  SubmapGraph graph(params, {}, {}, 1);
+  Feed feed(params);
+  const SimulatedScene scene = ring(18.0, 10.0);
+  Rng rng(1);
+  for (int i = 0; i < 4; ++i) {
+    Motion motion;
+    if (i > 0) {
+      motion = Motion::between(i, i + 1, {10000.0, 10000.0, 0.0});
+      motion.odom_T_current = Pose2{10000.0 * i, 10000.0 * i, 0.0};
+    }
+    feed.add(sweep(scene, {.beams = 61}, {-10.5, -6.5, 0.0}, rng, i), motion, graph);
+  }
+  graph.finish();
+  WorldMap world_map({}, 0.05);
+  world_map.render(graph.world(), {});
+  OccupancyMap map;
+  world_map.write(map);
+  EXPECT_GT(map.resolution_m, 1.0);
+  EXPECT_FALSE(map.occupancy_percent.empty());
+  EXPECT_LT(map.occupancy_percent.size(), 120'000'000U);
+}
+
 TEST(WorldMap, OfNothingHasNoCell) {
   const SubmapGraph graph(GraphParams{}, {}, {}, 1);
   WorldMap world_map({}, 0.05);
