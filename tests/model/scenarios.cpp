@@ -252,7 +252,7 @@ class Line final : public Scenario {
         close(returned);
       } else if (handover_.is_empty()) {
         require(closed_ == opened_, "a line is opened beside one that is in use");
-        line_ = ++opened_;
+        line_ = static_cast<std::uint64_t>(++opened_);
         handover_.offer(opened_);
       }
     }
