@@ -89,6 +89,8 @@ class PageTest(WebCase):
         self.assertEqual(page.problems(), [])
 
     def test_shows_the_very_map_that_is_saved(self):
+        """What is published is the filter's map; with the pose graph on, what is saved would be that of the graph."""
+        self.use_page("[graph]\nenabled = false\n")
         _, daemon = self.start_robot()
         page = Page(self.browser())
         page.open(self.url)
