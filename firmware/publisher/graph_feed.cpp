@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "core/graph/world_map.hpp"
@@ -25,6 +26,9 @@ GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossles
       jobs_(kJobs),
       thread_({.name = "odo-graph", .stack_bytes = kStack_bytes}) {
   begin_anew();
+  // Memory that was used once stays with the process (MemoryLock): what a step takes for a while is there already.
+  std::vector<std::byte> scratch(kScratch_bytes);
+  static_cast<volatile std::byte&>(scratch.back()) = {};
   for (Job& job : jobs_) {
     job.codes.reserve(static_cast<std::size_t>(params.graph.keyframe_beams_max));
   }

@@ -23,6 +23,7 @@ namespace odoless {
 class GraphFeed {
  public:
   static constexpr std::size_t kStack_bytes = std::size_t{2} << 20;
+  static constexpr std::size_t kScratch_bytes = std::size_t{4} << 20;  ///< of matches and solutions
 
   /// What it has come to.
   struct Report {
