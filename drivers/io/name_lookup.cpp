@@ -8,6 +8,8 @@
 #include <array>
 #include <cstddef>
 #include <ctime>
+#include <mutex>
+#include <utility>
 
 namespace odoless {
 
@@ -50,8 +52,17 @@ NameLookup::NameLookup() = default;
 
 NameLookup::~NameLookup() {
   if (request_ && ::gai_cancel(&request_->entry) == EAI_NOTCANCELED) {
-    static_cast<void>(request_.release());  // whoever looks it up still writes there
+    keep_until_done(std::move(request_));
   }
+}
+
+// Whoever looks a name up still writes there. What has been done meanwhile goes with the next one.
+void NameLookup::keep_until_done(std::unique_ptr<Request> request) {
+  static std::mutex mutex;
+  static auto* const under_way = new std::vector<std::unique_ptr<Request>>;  // NOLINT: outlives every lookup
+  const std::lock_guard lock(mutex);
+  std::erase_if(*under_way, [](const auto& each) { return ::gai_error(&each->entry) != EAI_INPROGRESS; });
+  under_way->push_back(std::move(request));
 }
 
 Result<std::vector<std::string>> NameLookup::find(const std::string& host, std::int64_t patience_ns) {

@@ -31,6 +31,7 @@ class NameLookup {
 
  private:
   struct Request;
+  static void keep_until_done(std::unique_ptr<Request> request);
   std::unique_ptr<Request> request_;  ///< under way; null: none
 };
 
