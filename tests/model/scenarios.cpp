@@ -222,7 +222,7 @@ class Records final : public Scenario {
         require(record->type == received_ && record->bytes.size() == size_bytes(received_), "a record is lost or late");
         std::uint64_t filling = received_;
         copy_plain(&filling, record->bytes.data(), record->bytes.size());
-        require(filling == received_, "a record is torn");
+        require(filling == received_, "a record is half old and half new");
         ring_.pop();
         ++received_;
       }

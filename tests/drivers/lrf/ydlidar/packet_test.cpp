@@ -130,7 +130,7 @@ TEST(YdlidarPacket, WhatCannotBeIsRefused) {
   EXPECT_EQ(read(empty, 99).times(Outcome::kPacket), 0);
 }
 
-// A wrong number of samples swallows what follows until it is found out; that is looked through again.
+// A wrong number of samples takes the bytes that follow for its own until the check sum tells; they are searched again.
 TEST(YdlidarPacket, ADamagedByteCostsItsOwnPacketAlone) {
   const Bytes packet = packet_of({100, 200, 300, 400}, 129, 6 * 128 + 1);
   std::vector<Bytes> parts(40, packet);
