@@ -146,7 +146,7 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
         ++seen;
       }
     }
-    EXPECT_GE(2 * seen, heard.scans.size());
+    EXPECT_GE(seen + 1, heard.scans.size());
     std::vector<double> since_ns;  // the scan before
     for (std::size_t i = 1; i < heard.scans.size(); ++i) {
       since_ns.push_back(static_cast<double>(heard.scans[i].stamp_ns - heard.scans[i - 1].stamp_ns));
