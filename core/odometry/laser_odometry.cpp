@@ -22,7 +22,7 @@ constexpr double kSlack_rad = 0.05;
 constexpr double kReach_deviations = 3.0;
 constexpr double kWide_m = 3.0;  // where the motion may lead farther, a search near the expected pose is not enough
 constexpr double kSpeed_kept_unmatched = 0.5;
-constexpr int kSlices_sure = 32;  // of a local map, however little time a match has left
+constexpr int kSlices_sure = 16;  // of a local map, however little time a match has left
 
 void copy_figures(const MatchResult& match, Motion& motion) {
   motion.fitness = match.fitness;

@@ -39,7 +39,7 @@ struct StageBounds {
 
 /// Three quarters of the daemon's budgets; the last quarter is what they end with.
 constexpr StageBounds kTimes{{15.0, 5.0, kUnlimited}, {15.0, 5.0, kUnlimited}, {0.0, kUnlimited, kUnlimited}};
-constexpr StageBounds kBlocks{{15000.0, 2500.0, 2500.0}, {15000.0, 5500.0, 5500.0}, {0.0, 40.0, kUnlimited}};
+constexpr StageBounds kBlocks{{15000.0, 2500.0, 2000.0}, {15000.0, 5500.0, 5500.0}, {0.0, 40.0, kUnlimited}};
 
 /// The clock of a piece of work, that a Deadline asks.
 class WorkClock {
