@@ -44,7 +44,7 @@ AncestryGrid::AncestryGrid(const AncestryGridParams& params, int particles_max)
   answers_of_tile_.resize(tiles);
   answered_.reserve(tiles);
   answers_.resize(tiles * leaves_max_);
-  written_.resize(tiles);
+  written_m_.resize(tiles);
   reset();
 }
 
@@ -60,7 +60,7 @@ void AncestryGrid::reset() {
   }
   counters_ = {};
   geometry_.first_column = geometry_.first_row = 0;
-  time_ = 0.0;
+  travel_m_ = 0.0;
   next_to_forget_ = 0;
   forget_answers();
 }
@@ -100,9 +100,9 @@ void AncestryGrid::step_rows(int direction) {
   geometry_.first_row += direction * kTileSide_cells;
 }
 
-void AncestryGrid::forget_before(double time, int tiles) {
+void AncestryGrid::forget_before(double travel_m, int tiles) {
   for (int i = 0; i < tiles; ++i) {
-    if (first_of_tile_[next_to_forget_] != kNone && static_cast<double>(written_[next_to_forget_]) < time) {
+    if (first_of_tile_[next_to_forget_] != kNone && static_cast<double>(written_m_[next_to_forget_]) < travel_m) {
       forget(next_to_forget_);
     }
     next_to_forget_ = next_to_forget_ + 1 < first_of_tile_.size() ? next_to_forget_ + 1 : 0;
@@ -139,7 +139,7 @@ void AncestryGrid::branch(std::span<const int> copies) {
 
 std::size_t AncestryGrid::memory_bytes() const {
   const std::size_t words = free_.capacity() + first_of_tile_.capacity() + answers_of_tile_.capacity() +
-                            answered_.capacity() + answers_.capacity() + written_.capacity();
+                            answered_.capacity() + answers_.capacity() + written_m_.capacity();
   return tiles_.capacity() * sizeof(Tile) + versions_.capacity() * sizeof(Entry) +
          owned_.capacity() * (sizeof(OwnedTiles) + sizeof(Owner) + sizeof(Node)) + words * sizeof(Version) +
          tree_.memory_bytes();
@@ -171,7 +171,7 @@ void AncestryGrid::forget_answers() {
 /// The leaf's own version of a tile, made at its first write; kWaste if the pool is full.
 AncestryGrid::Version AncestryGrid::own_version(std::uint32_t tile, Node leaf, std::uint32_t rank) {
   Version& version = seen(tile, rank);
-  written_[tile] = static_cast<float>(time_);
+  written_m_[tile] = static_cast<float>(travel_m_);
   const Owner owner = owner_of_node_[leaf];
   if (version != kBlank && versions_[version].owner == owner) {
     return version;

@@ -73,10 +73,10 @@ class AncestryGrid {
   /// Puts the window's centre next to this cell at once. Only when nothing is observed, as after `reset`.
   void centre_on(const GridCell& cell);
 
-  /// The clock by which tiles grow old: any number that does not decrease.
-  void set_time(double time) { time_ = time; }
-  /// Looks at so many tiles, in turn, and forgets those that nothing was added to since then.
-  void forget_before(double time, int tiles);
+  /// The robot's travel, by which tiles grow old.
+  void set_travel(double travel_m) { travel_m_ = travel_m; }
+  /// Looks at so many tiles, in turn, and forgets those that nothing was added to since that travel.
+  void forget_before(double travel_m, int tiles);
 
   /// The two halves of a resampling: see AncestryTree.
   void retain(std::span<const int> copies);
@@ -180,8 +180,8 @@ class AncestryGrid {
   std::vector<std::uint32_t> answers_of_tile_;  ///< 0: none yet, else 1 + its row in answers_
   std::vector<std::uint32_t> answered_;         ///< tiles that have answers
   std::vector<Version> answers_;                ///< rows of versions, by rank of the leaf
-  std::vector<float> written_;                  ///< by tile: the time of the last observation
-  double time_ = 0.0;
+  std::vector<float> written_m_;                ///< by tile: travel at the last observation
+  double travel_m_ = 0.0;
   std::uint32_t next_to_forget_ = 0;
   Counters counters_;
 };

@@ -84,7 +84,7 @@ void Lslam::move_window(const Motion& motion) {
   AncestryGrid& grid = particles_.grid();
   grid.follow(cell_of(pose(best())));
   travel_m_ += motion.previous_T_current.distance_m({});
-  grid.set_time(travel_m_);
+  grid.set_travel(travel_m_);
   if (params_.forget_after_m > 0.0) {
     grid.forget_before(travel_m_ - params_.forget_after_m, kTiles);
   }

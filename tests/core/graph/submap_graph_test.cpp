@@ -4,12 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "core/graph/keyframe_gate.hpp"
 #include "core/graph/world_map.hpp"
+#include "core/slam/scan_beams.hpp"
 #include "tests/support/simulated_scene.hpp"
 
 namespace odoless {
@@ -232,6 +236,52 @@ TEST(WorldMap, HasTheWallsOfTheWorldAtTheirPlaces) {
   }
   EXPECT_GT(occupied, 1500);
   EXPECT_GT(right, 0.97 * occupied);
+}
+
+/// Every beam whole, into cells kept one by one.
+struct PlainCells {
+  std::map<std::pair<int, int>, Cell> cells;
+  [[nodiscard]] Cell& at(const GridCell& cell) { return cells[{cell.column(), cell.row()}]; }
+};
+
+TEST(WorldMap, HasWhatAllBeamsSayOfEachCell) {
+  Drive run(ring(40.0, 20.0), {0.01, 0.0, 0.0006});
+  run.drive(kRound);
+  run.graph.finish();
+  const SubmapWorld world = run.graph.world();
+  PlainCells plain;
+  ScanFrame frame(ScanParams{});
+  for (std::size_t i = 0; i < world.submaps.size(); ++i) {
+    for (int k = 0; k < world.submaps[i].keyframes; ++k) {
+      const int keyframe = world.submaps[i].first_keyframe + k;
+      world.store.load(keyframe, 1, frame);
+      const Pose2 map_T_scan = world.graph.pose(static_cast<int>(i)) * world.store.submap_T_scan(keyframe);
+      integrate_scan(BeamModel({}, 0.05), BeamCaster(GridGeometry{}, map_T_scan), plain, frame, 0.0);
+    }
+  }
+  WorldMap world_map({}, 0.05);
+  world_map.render(world, {});
+  OccupancyMap map;
+  world_map.write(map);
+  const int first_column = static_cast<int>(std::lround(map.origin_x_m / 0.05));
+  const int first_row = static_cast<int>(std::lround(map.origin_y_m / 0.05));
+  std::size_t known = 0;
+  std::size_t off = 0;
+  for (int row = 0; row < map.height_cells; ++row) {
+    for (int column = 0; column < map.width_cells; ++column) {
+      const auto found = plain.cells.find({first_column + column, first_row + row});
+      const bool is_known = found != plain.cells.end() && !found->second.is_unknown();
+      const int expected = is_known ? found->second.occupancy_percent(0.02F / 0.05F * Cell::kParts) : -1;
+      known += is_known ? 1 : 0;
+      off += std::abs(expected - map.at(column, row)) > 3 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(map.width_cells, 600) << "more than one piece";
+  EXPECT_GT(known, 50'000U);
+  EXPECT_LT(off, known / 1000);  // where a beam grazes a corner of a cell, ways are rounded otherwise
+  EXPECT_GT(known + 10,
+            static_cast<std::size_t>(std::count_if(plain.cells.begin(), plain.cells.end(),
+                                                   [](const auto& cell) { return !cell.second.is_unknown(); })));
 }
 
 // 40 km by 40 km with cells of 5 cm would be 6 * 10^11 of them.

@@ -149,7 +149,7 @@ TEST(AncestryGrid, IsAWindowThatForgetsWhatItLeavesBehindAndWhatGrowsOld) {
     grid.retain(copies);
     grid.branch(copies);
     maps.resample(copies);
-    grid.set_time(round);
+    grid.set_travel(round);
     static_cast<void>(grid.view(0).at({column, row}));  // answers that are there already are forgotten, too
     grid.follow({column, row});
     const GridGeometry& now = grid.geometry();
