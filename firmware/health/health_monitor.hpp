@@ -45,6 +45,7 @@ struct Surroundings {
   std::int32_t storage_error = 0;
   double checkpoint_age_s = -1.0;
   std::optional<CloudHealth> cloud{};
+  std::optional<GraphHealth> graph{};
 };
 
 /// Makes the health report of what the stages say: the state, its reasons, and every figure.

@@ -177,6 +177,7 @@ void Publisher::watch(std::int64_t now_ns) {
   surroundings_.publish_errors = link_.counters().errors;
   surroundings_.storage_error = recorder_.counters().last_error != 0 ? recorder_.counters().last_error : poses_.error();
   surroundings_.cloud = cloud_ ? std::optional(cloud_->health()) : std::nullopt;
+  surroundings_.graph = graph_ ? std::optional(graph_->health()) : std::nullopt;
   take_rate(now_ns);
   const HealthReport before = health_;
   health_ = monitor_.update(pipeline_.sensor.report.value(), pipeline_.matcher.report.value(),
