@@ -55,7 +55,7 @@ class SubmapGraph {
   /// Share of the fullest pool, 0 to 1: submaps, constraints, keyframes.
   [[nodiscard]] double used() const;
   /// Where each of these poses was, as known now: between two submaps' origins a correction goes in with the travel.
-  /// @param odom  odom_T_scan of all scans in their order, keyframes and others.
+  /// @param odom  odom_T_scan of all scans in their order, keyframes and others; some may lack.
   [[nodiscard]] std::vector<StampedPose> corrected(std::span<const StampedPose> odom) const;
 
  private:
@@ -79,6 +79,14 @@ class SubmapGraph {
     double order = 0.0;
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of reference_T_query as projected
   };
+
+  /// A submap's origin among the poses of a run.
+  struct Anchor {
+    std::size_t submap = 0;
+    std::size_t index = 0;
+  };
+  [[nodiscard]] std::vector<Anchor> anchors_of(std::span<const StampedPose> odom) const;
+  [[nodiscard]] Pose2 seen_from(std::size_t submap, const Pose2& odom_T_scan) const;
 
   void add_submap();
   /// Plans the matches of a submap, and of a few older ones.
