@@ -34,6 +34,7 @@ namespace {
 
 constexpr Rgb kEstimateColour{220, 50, 32};
 constexpr Rgb kTruthColour{0, 90, 181};
+constexpr Rgb kClosureColour{46, 125, 50};
 
 struct LogJob {
   std::string log;
@@ -123,6 +124,18 @@ std::vector<ColouredPath> paths_to_draw(const LogJob& job, const ReplayResult& r
   return paths;
 }
 
+// The loop closures that hold, each from the older submap, under the way from submap to submap.
+std::vector<ColouredPath> graph_to_draw(const PoseGraph& graph) {
+  std::vector<ColouredPath> paths;
+  for (const Constraint& constraint : graph.constraints()) {
+    if (constraint.is_loop && constraint.weight > 0.0) {
+      paths.push_back({{graph.pose(constraint.from), graph.pose(constraint.to)}, kClosureColour});
+    }
+  }
+  paths.push_back({{graph.poses().begin(), graph.poses().end()}, kEstimateColour});
+  return paths;
+}
+
 void write_replay(const LogJob& job, const ReplayResult& result, nlohmann::ordered_json summary) {
   write_trajectory(job.out / "trajectory.tum", result.trajectory);
   write_trajectory(job.out / "trajectory_online.tum", result.online_trajectory);
@@ -133,6 +146,9 @@ void write_replay(const LogJob& job, const ReplayResult& result, nlohmann::order
   }
   if (result.graph) {
     write_whole_file(job.out / "pose_graph.g2o", format_g2o(*result.graph));
+    if (result.graph->size() > 0 && !result.map.occupancy_percent.empty()) {
+      write_map_picture(job.out / "pose_graph.png", result.map, graph_to_draw(*result.graph));
+    }
     summary["submaps"] = result.graph->size();
     summary["loop_closures"] = result.closures.accepted - result.closures.taken_out;
     summary["loop_closures_taken_out"] = result.closures.taken_out;
