@@ -50,15 +50,21 @@ TEST(MapStore, ANewerTileReplacesTheOlder) {
   EXPECT_EQ(store.map().occupancy_percent[0], 30);
 }
 
-TEST(MapStore, WhatLiesOutsideOfTheGridIsCutOff) {
+TEST(MapStore, FollowsTheTilesAndForgetsWhatIsFarthestFromTheLastOne) {
   MapStore store({.resolution_m = 0.1, .columns = 10, .rows = 10});  // tiles of 4 do not fill it
-  for (int column = -3; column <= 3; ++column) {
-    for (int row = -3; row <= 3; ++row) {
-      store.update(tile_at(column, row), cells_from(0));
-    }
+  for (int column = -3; column <= 1003; ++column) {
+    store.update(tile_at(column, -column), cells_from(static_cast<std::uint8_t>(column % 10 + 20)));
   }
-  EXPECT_EQ(store.map().width_cells, 10);
-  EXPECT_EQ(store.map().height_cells, 10);
+  const OccupancyMap map = store.map();
+  ASSERT_EQ(map.width_cells, 10);
+  ASSERT_EQ(map.height_cells, 10);
+  EXPECT_NEAR(map.origin_x_m, 0.1 * (1004 * kSide_cells - 10), 1e-9);
+  EXPECT_NEAR(map.origin_y_m, -0.1 * 1003 * kSide_cells, 1e-9);
+  EXPECT_EQ(map.at(6, 0), 23);            // the last tile, at the lower right
+  EXPECT_EQ(map.at(2, kSide_cells), 22);  // the one before
+  EXPECT_EQ(map.at(0, 8), 21 + 2);        // a part of the one before that
+  EXPECT_EQ(map.at(6, 8), -1) << "what was there is forgotten";
+  EXPECT_EQ(map.at(0, 0), -1);
 }
 
 PoseRecord pose_of(std::int64_t stamp_ns, double x_m, std::int64_t update_stamp_ns, double since_update_m) {
