@@ -36,14 +36,14 @@ Circle circle_of(const SubmapWorld& world, int submap) {
 }
 
 /// The part of a way, from 0 to its length, in which a coordinate that begins at `from` and changes by `slope` lies
-/// within 0 and `side`.
-void clip(double from, double slope, double side, double& begin, double& end) {
+/// within 0 and `side_cells`.
+void clip(double from, double slope, double side_cells, double& begin, double& end) {
   if (slope == 0.0) {
-    end = from < 0.0 || from > side ? begin - 1.0 : end;
+    end = from < 0.0 || from > side_cells ? begin - 1.0 : end;
     return;
   }
   const double a = -from / slope;
-  const double b = (side - from) / slope;
+  const double b = (side_cells - from) / slope;
   begin = std::max(begin, std::min(a, b));
   end = std::min(end, std::max(a, b));
 }
