@@ -87,6 +87,7 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
   }
   meter.note("pose graph: keyframes, submaps, constraints");
   std::vector<MemoryShare> shares = meter.take();
+  shares.push_back({"poses that wait for the disk", PoseSpool::kWaitingMax * sizeof(PoseSpool::Entry)});
   shares.push_back({"stacks of the threads",
                     (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes +
                         (params.robot.graph.enabled ? GraphFeed::kStack_bytes + GraphFeed::kScratch_bytes : 0) +

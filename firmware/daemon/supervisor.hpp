@@ -58,7 +58,7 @@ class Supervisor {
   static constexpr std::int64_t kRound_ns = 20'000'000;
   static constexpr std::int64_t kWatch_ns = 100'000'000;
   static constexpr unsigned kEnd_s = 30;  ///< in which stages end, or all is saved beside one that hangs
-  static constexpr std::int64_t kStuck_ns = 60'000'000'000;  ///< a save that does not get on at the end is given up
+  static constexpr std::int64_t kStuck_ns = 120'000'000'000;  ///< a save that does not get on at the end is given up
 
   DaemonOptions& options_;
   Machine& machine_;
