@@ -53,7 +53,7 @@ std::filesystem::path RunFolder::save(const std::function<void(const std::filesy
   write(results.unfinished());
   const std::filesystem::path saved = take_name(results, folder_);
   link_latest(saved);
-  if (const std::filesystem::path before = std::exchange(last_, saved); !before.empty()) {
+  if (const std::filesystem::path before = std::exchange(last_, saved); !before.empty() && before != saved) {
     remove_result_folder(before);
   }
   return saved;
