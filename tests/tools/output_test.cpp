@@ -7,6 +7,7 @@
 #include "tests/support/temporary_folder.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/reference_poses.hpp"
+#include "tools/odolessd/run_folder.hpp"
 #include "tools/output/map_files.hpp"
 #include "tools/output/matches.hpp"
 #include "tools/output/result_folder.hpp"
@@ -138,6 +139,20 @@ TEST(ResultFolder, RemovesWhatAKilledProgramLeftAndNotWhatAnotherWrites) {
   second.finish();
   EXPECT_EQ(test::content_of(folder.path() / "first" / "map.pgm"), "first");
   EXPECT_EQ(test::content_of(folder.path() / "second" / "map.pgm"), "second");
+}
+
+TEST(RunFolder, KeepsTheLastSaveOfARunAloneEvenWhereSomebodyRemovedTheOneBefore) {
+  const test::TemporaryFolder folder;
+  RunFolder run(folder.path() / "out");
+  const auto save = [&run] { return run.save([](const auto& path) { write_whole_file(path / kSummaryFile, "all"); }); };
+  for (int i = 0; i < 10; ++i) {  // some of them within one second: they take one name
+    const std::filesystem::path saved = save();
+    EXPECT_EQ(test::content_of(saved / kSummaryFile), "all");
+    EXPECT_THAT(names_in(folder.path() / "out"), testing::UnorderedElementsAre("latest", saved.filename().string()));
+    if (i % 2 == 1) {
+      std::filesystem::remove_all(saved);
+    }
+  }
 }
 
 TEST(Trajectory, IsTumWithExactStamps) {
