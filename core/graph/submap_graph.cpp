@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/graph/trajectory_correction.hpp"
+
 namespace odoless {
 namespace {
 
@@ -36,17 +38,6 @@ constexpr int kIterations_again = 15;
 double largest_sd(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
   return std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
-}
-
-/// Of the robot up to each pose; a turn counts as the way of a point at 0.3 m.
-std::vector<double> travels_m(std::span<const StampedPose> poses) {
-  constexpr double kLever_m = 0.3;
-  std::vector<double> travel_m(poses.size(), 0.0);
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    const Pose2 step = poses[i - 1].map_T_scan.inverse() * poses[i].map_T_scan;
-    travel_m[i] = travel_m[i - 1] + step.distance_m({}) + kLever_m * std::abs(step.yaw_rad);
-  }
-  return travel_m;
 }
 
 }  // namespace
@@ -285,45 +276,11 @@ Pose2 SubmapGraph::map_T_odom() const {
 }
 
 std::vector<StampedPose> SubmapGraph::corrected(std::span<const StampedPose> odom) const {
-  std::vector<StampedPose> out(odom.begin(), odom.end());
-  if (submaps_.empty()) {
-    return out;
-  }
-  const std::vector<double> travel_m = travels_m(odom);
-  std::vector<Anchor> anchors = anchors_of(odom);
-  anchors.insert(anchors.begin(), {.submap = anchors.empty() ? 0 : anchors.front().submap, .index = 0});
-  for (std::size_t k = 0; k < anchors.size(); ++k) {
-    const bool is_last = k + 1 == anchors.size();
-    const Anchor& from = anchors[k];
-    const Anchor& to = anchors[is_last ? k : k + 1];
-    const double way_m = travel_m[to.index] - travel_m[from.index];
-    for (std::size_t i = from.index; i < (is_last ? odom.size() : to.index); ++i) {
-      const double share = way_m > 0.0 ? (travel_m[i] - travel_m[from.index]) / way_m : 0.0;
-      const Pose2 before = seen_from(from.submap, odom[i].map_T_scan);
-      const Pose2 after = seen_from(to.submap, odom[i].map_T_scan);
-      out[i].map_T_scan = {before.x_m + share * (after.x_m - before.x_m), before.y_m + share * (after.y_m - before.y_m),
-                           wrap_angle(before.yaw_rad + share * wrap_angle(after.yaw_rad - before.yaw_rad))};
-    }
-  }
-  return out;
-}
-
-Pose2 SubmapGraph::seen_from(std::size_t submap, const Pose2& odom_T_scan) const {
-  return graph_.pose(static_cast<int>(submap)) * (submaps_[submap].odom_T_submap.inverse() * odom_T_scan);
-}
-
-std::vector<SubmapGraph::Anchor> SubmapGraph::anchors_of(std::span<const StampedPose> odom) const {
-  std::vector<Anchor> anchors;
-  auto at = odom.begin();
-  for (std::size_t i = 0; i < submaps_.size(); ++i) {
-    const auto found = std::find_if(
-        at, odom.end(), [&](const StampedPose& pose) { return pose.stamp_ns == submaps_[i].origin_stamp_ns; });
-    if (found != odom.end()) {
-      anchors.push_back({.submap = i, .index = static_cast<std::size_t>(found - odom.begin())});
-      at = found;
-    }
-  }
-  return anchors;
+  std::vector<StampedPose> poses(odom.begin(), odom.end());
+  TrajectoryCorrection correction(submaps_, graph_);
+  correction.survey(odom);
+  correction.correct(poses);
+  return poses;
 }
 
 }  // namespace odoless

@@ -80,14 +80,6 @@ class SubmapGraph {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of reference_T_query as projected
   };
 
-  /// A submap's origin among the poses of a run.
-  struct Anchor {
-    std::size_t submap = 0;
-    std::size_t index = 0;
-  };
-  [[nodiscard]] std::vector<Anchor> anchors_of(std::span<const StampedPose> odom) const;
-  [[nodiscard]] Pose2 seen_from(std::size_t submap, const Pose2& odom_T_scan) const;
-
   void add_submap();
   /// Plans the matches of a submap, and of a few older ones.
   void begin_work(int query);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -53,6 +54,29 @@ std::string graph_text(const HealthReport& health) {
                       : "";
 }
 
+std::string save_text(const SaveStatus& save) {
+  switch (save.state) {
+    case SaveStatus::State::kSaving:
+      return fmt::format("save: under way for {:.1f} s: {}\n", save.since_s, save.doing);
+    case SaveStatus::State::kSaved:
+      return fmt::format("save: {:.1f} s ago, in {}\n", save.since_s, save.folder);
+    case SaveStatus::State::kFailed:
+      return fmt::format("save: FAILED {:.1f} s ago: {}\n", save.since_s, save.wrong);
+    case SaveStatus::State::kNone:
+      break;
+  }
+  return "";
+}
+
+Json save_json(const SaveStatus& save) {
+  constexpr std::array<const char*, 4> kStates{"none", "saving", "saved", "failed"};
+  return {{"state", kStates.at(static_cast<std::size_t>(save.state))},
+          {"since_s", save.since_s},
+          {"doing", save.doing},
+          {"folder", save.folder},
+          {"error", save.wrong}};
+}
+
 Json pose_json(const PoseRecord& pose) {
   const PoseSd sd = sd_of(pose);
   return {{"stamp_s", static_cast<double>(pose.stamp_ns) * 1e-9},
@@ -97,7 +121,7 @@ std::string status_text(const DaemonStatus& status) {
       health.lrf.rejected, health.lrf.dropped, health.scans_not_level, health.lrf.rate_hz, health.lrf.age_s,
       status.poses_hz, times_text(health.lrf.times), health.fitness, health.particles, health.effective_particles,
       matcher.p50_ms, matcher.p99_ms, matcher.max_ms, filter.p50_ms, filter.p99_ms, filter.max_ms, graph_text(health),
-      cloud_text(health));
+      cloud_text(health), save_text(status.save));
 }
 
 Json status_json(const DaemonStatus& status) {
@@ -117,6 +141,7 @@ Json status_json(const DaemonStatus& status) {
             {"fitness", health.fitness},
             {"particles", health.particles},
             {"effective_particles", health.effective_particles},
+            {"save", save_json(status.save)},
             {"records_dropped", health.records_dropped},
             {"publish_errors", health.publish_errors},
             {"stages",

@@ -138,8 +138,7 @@ GraphHealth GraphFeed::health() const {
   return health_;
 }
 
-bool GraphFeed::write(std::span<const StampedPose> odom, bool is_last, std::vector<StampedPose>& trajectory,
-                      OccupancyMap& map) {
+std::optional<TrajectoryCorrection> GraphFeed::write(bool is_last, OccupancyMap& map) {
   if (is_last && thread_.started()) {
     is_hurried_ = true;
     std::unique_lock lock(queue_mutex_);
@@ -150,13 +149,12 @@ bool GraphFeed::write(std::span<const StampedPose> odom, bool is_last, std::vect
     graph_->finish();
   }
   if (graph_->submaps().empty()) {
-    return false;
+    return std::nullopt;
   }
-  trajectory = graph_->corrected(odom);
   WorldMap world(params_.slam.low.beam, params_.slam.low.grid.resolution_m);
   world.render(graph_->world(), params_.scan);
   world.write(map);
-  return true;
+  return TrajectoryCorrection(graph_->submaps(), graph_->graph());
 }
 
 }  // namespace odoless

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "config/robot_params.hpp"
-#include "core/geometry/stamped_pose.hpp"
 #include "core/graph/submap_graph.hpp"
+#include "core/graph/trajectory_correction.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "firmware/records/health.hpp"
 #include "rt/real_time_thread.hpp"
@@ -39,12 +39,10 @@ class GraphFeed {
 
   /// What it has come to.
   [[nodiscard]] GraphHealth health() const;
-  /// The trajectory and the map as known now. Allocates, and holds up the graph meanwhile.
-  /// @param odom     odom_T_scan of all scans in their order.
+  /// The map as known now, and what corrects the trajectory; none where there is no submap yet, and nothing is written.
+  /// Allocates, and holds up the graph meanwhile.
   /// @param is_last  The run is over: all that waits is worked on before.
-  /// @return         False where there is no submap yet: nothing is written.
-  [[nodiscard]] bool write(std::span<const StampedPose> odom, bool is_last, std::vector<StampedPose>& trajectory,
-                           OccupancyMap& map);
+  [[nodiscard]] std::optional<TrajectoryCorrection> write(bool is_last, OccupancyMap& map);
 
  private:
   struct Job {

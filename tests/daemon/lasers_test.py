@@ -43,7 +43,7 @@ class LasersTest(DaemonCase):
         summary = self.summary()
         self.assertEqual(summary["heap_calls"], 0)
         self.assertGreater(summary["scans"], 0.9 * rate_hz * DRIVE_S)
-        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/trajectory_online.tum"), "--json")
+        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/latest/trajectory_online.tum"), "--json")
         return json.loads(ate.stdout)["translation_m"]["rmse"]
 
     def expect_maps(self, config, model, rate_hz=10.0):

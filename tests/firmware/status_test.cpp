@@ -75,6 +75,18 @@ TEST(Status, TellsOfThePoseGraph) {
   EXPECT_DOUBLE_EQ(json["map_T_odom"]["yaw_deg"], 180.0);
 }
 
+TEST(Status, TellsHowASaveGetsOn) {
+  DaemonStatus status = lost_status();
+  EXPECT_THAT(status_text(status), ::testing::Not(HasSubstr("save:")));
+  EXPECT_EQ(status_json(status)["save"]["state"], "none");
+  status.save = {.state = SaveStatus::State::kSaving, .since_s = 1.25, .doing = "writing map.png"};
+  EXPECT_THAT(status_text(status), HasSubstr("save: under way for 1.2 s: writing map.png\n"));
+  EXPECT_EQ(status_json(status)["save"]["state"], "saving");
+  status.save = {.state = SaveStatus::State::kFailed, .since_s = 3.0, .wrong = "/out: No space left on device"};
+  EXPECT_THAT(status_text(status), HasSubstr("save: FAILED 3.0 s ago: /out: No space left on device\n"));
+  EXPECT_EQ(status_json(status)["save"]["error"], "/out: No space left on device");
+}
+
 TEST(Status, BeforeTheFirstPoseThereIsNone) {
   EXPECT_THAT(status_text({}), HasSubstr("pose: none yet\n"));
   EXPECT_TRUE(status_json({})["pose"].is_null());
