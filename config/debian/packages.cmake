@@ -31,8 +31,7 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
     WORLD_READ WORLD_EXECUTE)
-set(CPACK_STRIP_FILES ON)
-set(CPACK_PRE_BUILD_SCRIPTS ${debian}/same_times.cmake)
+set(CPACK_PRE_BUILD_SCRIPTS ${debian}/before_packing.cmake)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_CONTACT "The odoless maintainers <odoless@debian.invalid>")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -67,8 +66,10 @@ set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS libeigen3-dev)
 set(CPACK_COMPONENT_DEV_DESCRIPTION "The method as a static C++ library: scan matching by NDT and Differential
 Evolution, laser odometry, DP-SLAM and a pose graph.")
 
-# Debug symbols in packages of their own, where the build has some.
+# Debug symbols in packages of their own, where the build has some; programs are stripped in either case.
+set(CPACK_STRIP_FILES ON)
 if(CMAKE_CXX_FLAGS MATCHES "-g")
+  set(CPACK_STRIP_FILES OFF)
   set(CPACK_DEBIAN_DAEMON_DEBUGINFO_PACKAGE ON)
   set(CPACK_DEBIAN_TOOLS_DEBUGINFO_PACKAGE ON)
 endif()
