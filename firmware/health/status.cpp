@@ -115,7 +115,7 @@ std::string status_text(const DaemonStatus& status) {
       "scans {} accepted, {} rejected, {} dropped, {} not level, {:.1f} Hz, age {:.3f} s; poses {:.1f} Hz\n"
       "stamps: {}\n"
       "fitness {:.2f}, particles {}, effective {:.0f}\n"
-      "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n{}{}",
+      "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n{}{}{}",
       state_sentence(health), pose_text(status), 100.0 * health.pose_probability, status.map.width_m,
       status.map.height_m, status.map.cell_size_m, 100.0 * health.map_pool_used, health.lrf.accepted,
       health.lrf.rejected, health.lrf.dropped, health.scans_not_level, health.lrf.rate_hz, health.lrf.age_s,

@@ -155,14 +155,5 @@ TEST_F(Replay, HasNoOptionForOdometry) {
   EXPECT_EQ(run({"replay", log(), "--out", out("e").string(), "--odometry", "yes"}).status, 64);
 }
 
-TEST(Config, DefaultsAreACompleteConfigurationFile) {
-  const Outcome defaults = run({"config", "defaults"});
-  ASSERT_EQ(defaults.status, 0);
-  EXPECT_THAT(defaults.out, HasSubstr("cell_size_m"));
-  const Outcome reference = run({"config", "reference"});
-  EXPECT_EQ(reference.status, 0);
-  EXPECT_THAT(reference.out, HasSubstr("matcher.score_min"));
-}
-
 }  // namespace
 }  // namespace odoless

@@ -264,24 +264,4 @@ void add_match(CLI::App& app) {
   command->callback([job] { run_match(*job); });
 }
 
-void add_config(CLI::App& app) {
-  CLI::App* const config = app.add_subcommand("config", "What a configuration file can say");
-  config->require_subcommand(1);
-  config->add_subcommand("reference", "Every key with its default, range and meaning, as Markdown")->callback([] {
-    fmt::print("{}", write_reference(DaemonParams{}));
-  });
-  const auto preset = std::make_shared<std::string>("default");
-  CLI::App* const defaults = config->add_subcommand("defaults", "A configuration file that says what is built in");
-  defaults->add_option("--preset", *preset, "default, or seed: plain Differential Evolution with N = 100 and G = 50")
-      ->check(CLI::IsMember({"default", "seed"}))
-      ->capture_default_str();
-  defaults->callback([preset] {
-    DaemonParams params;
-    if (*preset == "seed") {
-      params.robot.matcher = seed_matcher_params();
-    }
-    fmt::print("{}", write_toml(params));
-  });
-}
-
 }  // namespace odoless

@@ -26,6 +26,9 @@
 namespace odoless {
 namespace {
 
+constexpr const char* kName = "odolessd";
+constexpr const char* kPurpose = "SLAM for robots without odometry: the daemon";
+
 struct Arguments {
   std::string config;
   std::string out;
@@ -171,8 +174,15 @@ int fail(int status, const char* what, const char* reason) {
 
 }  // namespace
 
+void describe_odolessd(const std::function<void(const CLI::App&)>& reader) {
+  CLI::App app(kPurpose, kName);
+  Arguments arguments;
+  define(app, arguments);
+  reader(app);
+}
+
 int run_odolessd(int argc, const char* const* argv) {
-  CLI::App app("SLAM for robots without odometry: the daemon", "odolessd");
+  CLI::App app(kPurpose, kName);
   Arguments arguments;
   define(app, arguments);
   refuse_empty_values(app);
