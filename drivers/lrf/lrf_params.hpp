@@ -15,8 +15,11 @@ enum class LrfDriver : std::uint8_t {
   kRplidar,  ///< Slamtec RPLIDAR, A series, on a serial line
   kLdrobot,  ///< LDROBOT LD06, LD19, STL-27L, on a serial line
   kYdlidar,  ///< YDLIDAR X2, X4, G4, TG and their kin, on a serial line
+  kSopas,    ///< SICK TiM5xx, LMS1xx and their kin, by SOPAS over TCP
+  kCsv,      ///< lasers of one's own: lines of text over UDP, TCP or a serial line
 };
-inline constexpr const char* kLrfDriverNames[] = {"scip", "lcm", "sick", "rplidar", "ldrobot", "ydlidar"};
+inline constexpr const char* kLrfDriverNames[] = {"scip",    "lcm",     "sick",  "rplidar",
+                                                  "ldrobot", "ydlidar", "sopas", "csv"};
 
 /// What a laser is asked for.
 enum class LrfReading : std::uint8_t {
@@ -51,6 +54,14 @@ enum class LrfRanging : std::uint8_t {
 };
 inline constexpr const char* kLrfRangingNames[] = {"triangle", "time_of_flight"};
 
+/// What a SICK laser that speaks SOPAS is set to.
+enum class SopasScan : std::uint8_t {
+  kAsSet,          ///< as it is; TiM5xx have one rate and step
+  k25HzByQuarter,  ///< LMS1xx
+  k50HzByHalf,     ///< LMS1xx
+};
+inline constexpr const char* kSopasScanNames[] = {"as_set", "25/0.25", "50/0.5"};
+
 struct LrfParams {
   LrfDriver driver = LrfDriver::kScip;
   std::string device = "/dev/ttyACM0";
@@ -60,6 +71,7 @@ struct LrfParams {
   int cluster = 1;
   int skip = 0;
   bool deskew = false;
+  bool upside_down = false;
   SickVariant sick_variant = SickVariant::k180ByHalf;
   SickUnit sick_unit = SickUnit::kMm;
   RplidarScan rplidar_scan = RplidarScan::kStandard;
@@ -68,6 +80,7 @@ struct LrfParams {
   int ldrobot_beams = 450;
   int ydlidar_beams = 450;
   LrfRanging ydlidar_ranging = LrfRanging::kTriangle;
+  SopasScan sopas_scan = SopasScan::kAsSet;
   std::int64_t reply_timeout_ns = 200'000'000;
   std::int64_t stall_timeout_ns = 500'000'000;
 
@@ -75,7 +88,9 @@ struct LrfParams {
   static void describe(Self& self, Visitor& visit) {
     visit.choice("driver", self.driver, kLrfDriverNames,
                  "Protocol of the laser range finder; lcm: another program reads it, and scans come over LCM.");
-    visit.text("device", self.device, "Where the laser is: a path, tcp://HOST:PORT, or usb://VENDOR:PRODUCT[/SERIAL].");
+    visit.text("device", self.device,
+               "Where the laser is: a path, tcp://HOST:PORT, usb://VENDOR:PRODUCT[/SERIAL], or udp://HOST:PORT "
+               "to listen at.");
     visit.text("channel", self.channel, "Channel of the scans (planar_lidar_t) for the driver lcm.");
     visit.value(
         "baud", self.baud, Range{0, 4'000'000},
@@ -88,6 +103,8 @@ struct LrfParams {
     visit.flag(
         "deskew", self.deskew,
         "Whether the motion during a scan is taken out of it, where the laser tells when each beam was measured.");
+    visit.flag("upside_down", self.upside_down,
+               "Whether the laser hangs upside down, so that its left is the robot's right.");
     visit.choice("sick_variant", self.sick_variant, kSickVariantNames,
                  "Field of view and step of a SICK laser, in degrees.");
     visit.choice("sick_unit", self.sick_unit, kSickUnitNames,
@@ -108,6 +125,8 @@ struct LrfParams {
     visit.choice(
         "ydlidar_ranging", self.ydlidar_ranging, kLrfRangingNames,
         "How a YDLIDAR measures ranges: triangle (X2, X4, G4 and most others), or time_of_flight (TG and TX).");
+    visit.choice("sopas_scan", self.sopas_scan, kSopasScanNames,
+                 "Rate in Hz and step in degrees that an LMS1xx is set to; as_set: those it has.");
     visit.value("reply_timeout_ns", self.reply_timeout_ns, Range<std::int64_t>{10'000'000, 10'000'000'000},
                 "Time for an answer while the laser is brought up.");
     visit.value("stall_timeout_ns", self.stall_timeout_ns, Range<std::int64_t>{50'000'000, 60'000'000'000},

@@ -169,13 +169,13 @@ class InstallTest(unittest.TestCase):
         self.check_what_is_installed()
         self.check_library()
         self.map_as_service_user()
-        with open(self.root.at("var/lib/odoless/map.pgm"), "rb") as file:
+        with open(self.root.at("var/lib/odoless/latest/map.pgm"), "rb") as file:
             saved = file.read()
         edited = self.root.text("etc/odoless/robot.toml")
         self.install(self.newer)
         self.assertEqual(self.succeed("dpkg-query", "-Wf", "${Version}", "odoless"), "9.9.9")
         self.assertEqual(self.root.text("etc/odoless/robot.toml"), edited)
-        with open(self.root.at("var/lib/odoless/map.pgm"), "rb") as file:
+        with open(self.root.at("var/lib/odoless/latest/map.pgm"), "rb") as file:
             self.assertEqual(file.read(), saved)
         self.succeed("dpkg", "--force-unsafe-io", "--no-triggers", "--purge", *PACKAGES)
         if self.lower == "/":

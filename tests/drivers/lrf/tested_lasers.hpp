@@ -18,6 +18,7 @@ struct TestedLaser {
   RplidarScan rplidar_scan = RplidarScan::kStandard;
   SickVariant sick_variant = SickVariant::k180ByHalf;
   LrfRanging ydlidar_ranging = LrfRanging::kTriangle;
+  SopasScan sopas_scan = SopasScan::kAsSet;
   bool has_sums = true;  ///< its protocol: what is damaged can be told
 
   [[nodiscard]] LrfParams params() const {
@@ -27,6 +28,7 @@ struct TestedLaser {
     params.rplidar_scan = rplidar_scan;
     params.sick_variant = sick_variant;
     params.ydlidar_ranging = ydlidar_ranging;
+    params.sopas_scan = sopas_scan;
     return params;
   }
   friend void PrintTo(const TestedLaser& laser, std::ostream* out) { *out << laser.name; }
@@ -64,6 +66,15 @@ inline constexpr TestedLaser kTestedLasers[] = {
      .driver = LrfDriver::kYdlidar,
      .wrong_baud = 230400,
      .ydlidar_ranging = LrfRanging::kTimeOfFlight},
+    {.name = "sopas_ascii", .model = "lms111", .driver = LrfDriver::kSopas, .has_sums = false},
+    {.name = "sopas_quarter",
+     .model = "lms111",
+     .driver = LrfDriver::kSopas,
+     .sopas_scan = SopasScan::k25HzByQuarter,
+     .has_sums = false},
+    {.name = "sopas_tim551", .model = "tim551", .driver = LrfDriver::kSopas, .has_sums = false},
+    {.name = "sopas_binary", .model = "tim571", .driver = LrfDriver::kSopas},
+    {.name = "csv", .model = "csv", .driver = LrfDriver::kCsv, .has_sums = false},
 };
 
 inline std::string laser_name(const auto& tested) { return tested.param.name; }
