@@ -33,9 +33,9 @@ constexpr int kBroken = 2;
 constexpr int kStandardMode = 0;
 constexpr int kExpressMode = 1;
 
-constexpr int kUsualDuty = 660;        ///< of an A2 or A3 that doesn't tell
-constexpr int kSpeedRpmSeries = 6;     ///< S1; those before have a motor that takes its duty or no command at all
-constexpr int kDutySeries[] = {2, 3};  ///< A2, A3
+constexpr int kUsualDuty = 660;          ///< of an A2 or A3 that doesn't tell
+constexpr int kSpeedRpmSeries = 6;       ///< S1; those before have a motor that takes its duty or no command at all
+constexpr std::array kDutySeries{2, 3};  ///< A2, A3
 
 bool can_be_sample(std::int64_t sample_ns) { return sample_ns >= kSampleMinNs && sample_ns <= kSampleMaxNs; }
 
@@ -243,7 +243,7 @@ void BringUp::on_setting(std::span<const std::byte> value, std::int64_t now_ns, 
 
 void BringUp::turn_motor(std::int64_t now_ns) {
   duty_ = params_.rplidar_pwm;
-  const bool takes_duty = std::ranges::find(kDutySeries, series_) != std::end(kDutySeries);
+  const bool takes_duty = std::ranges::find(kDutySeries, series_) != kDutySeries.end();
   if (duty_ == 0 && takes_duty && !has_modes_) {
     duty_ = kUsualDuty;
   }

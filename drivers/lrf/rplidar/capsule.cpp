@@ -46,7 +46,7 @@ Point express_point(std::span<const std::byte> cabins, std::size_t i) {
 
 struct UltraCabin {
   ScaledRange first;
-  int differences[2] = {0, 0};
+  std::array<int, 2> differences{};
 };
 UltraCabin ultra_cabin(std::span<const std::byte> cabins, std::size_t i) {
   const unsigned word = long_at(cabins, i * kUltraCabinBytes);
