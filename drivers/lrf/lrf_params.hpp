@@ -12,7 +12,7 @@ enum class LrfDriver : std::uint8_t {
   kScip,     ///< Hokuyo SCIP 2.0 on a serial line
   kLcm,      ///< no device: scans come over LCM
   kSick,     ///< telegrams of the SICK LMS2xx on a serial line
-  kRplidar,  ///< Slamtec RPLIDAR, A series, on a serial line
+  kRplidar,  ///< Slamtec RPLIDAR, A, C and S series, on a serial line
   kLdrobot,  ///< LDROBOT LD06, LD19, STL-27L, on a serial line
   kYdlidar,  ///< YDLIDAR X2, X4, G4, TG and their kin, on a serial line
   kSopas,    ///< SICK TiM5xx, LMS1xx and their kin, by SOPAS over TCP
@@ -42,10 +42,11 @@ inline constexpr const char* kSickUnitNames[] = {"mm", "cm"};
 
 /// What an RPLIDAR is asked for.
 enum class RplidarScan : std::uint8_t {
-  kStandard,  ///< every model knows it; 2000 points a second, without a check sum
-  kExpress,   ///< 4000 points a second and more, with check sums; firmware 1.17 and later
+  kUsual,     ///< the mode that the device itself recommends; of old ones, the best that they know
+  kStandard,  ///< every model knows it: an A1 gives 2000 points a second, without a check sum
+  kExpress,   ///< an A1 gives 4000, with check sums; firmware 1.17 and later
 };
-inline constexpr const char* kRplidarScanNames[] = {"standard", "express"};
+inline constexpr const char* kRplidarScanNames[] = {"usual", "standard", "express"};
 
 /// How a YDLIDAR measures, which its packets do not tell.
 enum class LrfRanging : std::uint8_t {
@@ -74,7 +75,7 @@ struct LrfParams {
   bool upside_down = false;
   SickVariant sick_variant = SickVariant::k180ByHalf;
   SickUnit sick_unit = SickUnit::kMm;
-  RplidarScan rplidar_scan = RplidarScan::kStandard;
+  RplidarScan rplidar_scan = RplidarScan::kUsual;
   int rplidar_beams = 360;
   int rplidar_pwm = 0;
   int ldrobot_beams = 450;
@@ -109,13 +110,16 @@ struct LrfParams {
                  "Field of view and step of a SICK laser, in degrees.");
     visit.choice("sick_unit", self.sick_unit, kSickUnitNames,
                  "Unit of a SICK laser's ranges: mm up to 32 m, or cm up to 80 m.");
-    visit.choice("rplidar_scan", self.rplidar_scan, kRplidarScanNames,
-                 "How an RPLIDAR sends: standard, or express with more points and check sums.");
-    visit.value("rplidar_beams", self.rplidar_beams, Range{90, 3600},
-                "Evenly spaced beams that a turn of an RPLIDAR is given as.");
+    visit.choice(
+        "rplidar_scan", self.rplidar_scan, kRplidarScanNames,
+        "How an RPLIDAR scans: in the mode that it recommends itself (usual), in the one that every model knows "
+        "(standard: the fewest points, no check sums), or in the next one (express).");
     visit.value(
-        "rplidar_pwm", self.rplidar_pwm, Range{0, 1023},
-        "Duty of an RPLIDAR's motor, for models that take it as a command; 0: what the model needs (A2, A3: 660).");
+        "rplidar_beams", self.rplidar_beams, Range{90, 3600},
+        "Evenly spaced beams that a turn of an RPLIDAR is given as; in its usual mode at 10 Hz it has 500 points "
+        "(C1), 800 (A1, A2), 920 (S1), 1600 (A3) or 3200 (S2).");
+    visit.value("rplidar_pwm", self.rplidar_pwm, Range{0, 1023},
+                "Duty of an RPLIDAR's motor, for models that take it as a command (A2, A3); 0: what the model needs.");
     visit.value("ldrobot_beams", self.ldrobot_beams, Range{90, 3600},
                 "Evenly spaced beams that a turn of an LDROBOT laser is given as; it has 450 points at 10 Hz (LD06, "
                 "LD19), or 2160 (STL-27L).");

@@ -7,12 +7,17 @@ namespace odoless {
 namespace {
 
 // Figures of the vendors' data sheets; the deviation is the one at 1 to 4 m.
-constexpr std::array<LrfModel, 15> kModels{{
+constexpr std::array<LrfModel, 20> kModels{{
     {"lms200", 180.0, 181, 5.0, 80.0, 0.015},
     {"lms200-half", 180.0, 361, 5.0, 80.0, 0.015},
     {"urg-04lx", 240.0, 683, 10.0, 5.6, 0.010},
     {"utm-30lx", 270.0, 1081, 40.0, 30.0, 0.010},
     {"rplidar-a1", 360.0, 360, 5.5, 12.0, 0.020},
+    {"rplidar-a2", 360.0, 800, 10.0, 12.0, 0.020},
+    {"rplidar-a3", 360.0, 1587, 10.0, 25.0, 0.020},
+    {"rplidar-c1", 360.0, 500, 10.0, 12.0, 0.015},
+    {"rplidar-s1", 360.0, 920, 10.0, 40.0, 0.020},
+    {"rplidar-s2", 360.0, 3200, 10.0, 30.0, 0.015},
     {"ld06", 360.0, 450, 10.0, 12.0, 0.010},
     {"ld19", 360.0, 450, 10.0, 12.0, 0.010},
     {"stl-27l", 360.0, 2000, 10.0, 25.0, 0.010},

@@ -84,6 +84,12 @@ class LasersTest(DaemonCase):
     def test_maps_with_an_stl_27l(self):
         self.expect_maps(self.robot_file("robot-ld19.toml", baud=921600, ldrobot_beams=1080), "stl-27l")
 
+    def test_maps_with_an_rplidar_a3(self):
+        self.expect_maps(self.robot_file("robot-rplidar.toml", rplidar_beams=1440), "rplidar-a3")
+
+    def test_maps_with_an_rplidar_s2(self):
+        self.expect_maps(self.robot_file("robot-rplidar.toml", baud=1000000, rplidar_beams=1800), "rplidar-s2")
+
     def test_maps_with_a_ydlidar_x4(self):
         self.expect_maps(self.robot_file("robot-ydlidar-x4.toml"), "ydlidar-x4", 7.0)
 
