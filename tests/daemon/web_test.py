@@ -98,7 +98,7 @@ class PageTest(WebCase):
         self.assertEqual(self.ctl("pause").stdout, "ok\n")  # then nothing is mapped any more
         time.sleep(6)  # and each tile has been sent again (lcm.map_refresh_s)
         self.assertEqual(self.ctl("save").returncode, 0)
-        cell_m, (left_m, low_m), columns, greys = saved_map(self.path("out"))
+        cell_m, (left_m, low_m), columns, greys = saved_map(self.path("out/latest"))
         self.assertGreater(greys.count(OCCUPIED), 100)
         self.assertGreater(greys.count(FREE), 1000)
         levels = page.value(f"Array.from({{length: {len(greys)}}}, (_, i) => odoless.levelAt("
