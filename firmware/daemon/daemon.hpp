@@ -22,7 +22,7 @@ namespace odoless {
 struct DaemonResult {
   bool has_trajectory = false;   ///< poses are kept
   PoseStream trajectory;         ///< one per scan, as known now
-  PoseStream online_trajectory;  ///< as published at the time
+  PoseStream online_trajectory;  ///< as the robot had it at the time
   OccupancyMap map;
   std::vector<Point3> cloud;  ///< the 3D map; empty where there is none, or it is not to be saved
   CloudFormat cloud_format = CloudFormat::kNone;
