@@ -13,7 +13,7 @@ struct PipelineParams {
   std::int64_t matcher_budget_ns = 20'000'000;
   std::int64_t filter_budget_ns = 20'000'000;
   std::int64_t scan_budget_ns = 25'000'000;
-  int particles_min = 20;
+  int particles_min = 10;
   std::int64_t watchdog_ns = 2'000'000'000;
   int sensor_priority = 60;
   int matcher_priority = 50;

@@ -19,10 +19,9 @@ FilterLoop::FilterLoop(Pipeline& pipeline, FilterStage& stage, const PipelinePar
       particles_(stage.filter().params().low.particles),
       tiles_(stage, map_refresh_s),
       timer_(params.filter_budget_ns) {
-  constexpr double kAtFirst = 0.25;  // of them: what an update costs here is not known yet
   if (!pipeline.lossless) {
-    particles_ = std::max<double>(particles_min_, kAtFirst * particles_);
-    stage_.set_particles(static_cast<int>(particles_));
+    particles_ = particles_min_;  // what an update costs here is not known yet
+    stage_.set_particles(particles_min_);
   }
 }
 
