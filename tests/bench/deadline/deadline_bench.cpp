@@ -185,7 +185,7 @@ int run(int scans, double deadline) {
   for (std::size_t kind = 0; kind < kHardScanNames.size(); ++kind) {
     kept = run_kind(static_cast<HardScans>(kind), scans, bounds) && kept;
   }
-  kept = run_ancestors(std::max(6, 3 * scans / 10), bounds.ancestors) && kept;
+  kept = run_ancestors(std::max(6, scans / 10), bounds.ancestors) && kept;
   return run_paths(bounds.paths) && kept ? 0 : 1;
 }
 
