@@ -47,7 +47,6 @@ struct SearchParams {
   double spread_m = 0.5;
   double angle_floor = 0.02;
   int simplex_steps = 60;
-  double probe_m = 1.5;
   DeParams de{};
 
   template <class Self, class Visitor>
@@ -69,8 +68,6 @@ struct SearchParams {
     visit.value("angle_floor", self.angle_floor, Range{0.0, 1.0},
                 "Share of the start angles that ignore the orientation histograms; 1: all are spread evenly.");
     visit.value("simplex_steps", self.simplex_steps, Range{0, 1000}, "Steps of the downhill simplex after the search.");
-    visit.value("probe_m", self.probe_m, Range{0.0, 20.0},
-                "How far other peaks are sought along the weakest direction.");
     visit.group("de", self.de, "Differential Evolution.");
   }
 };
@@ -86,6 +83,7 @@ struct MatcherParams {
                      .expected_share = 0.0,
                      .coarse_evaluations = 1200,
                      .fine_evaluations = 900};
+  double probe_m = 1.5;
   int refine_steps = 12;
   double score_min = 0.2;
   double prior_weight = 0.1;
@@ -98,6 +96,8 @@ struct MatcherParams {
     visit.group("reference", self.reference, "What a reference is made into.");
     visit.group("search", self.search, "The search that every scan gets.");
     visit.group("retry", self.retry, "The wider search that a poor match gets, with wide cells.");
+    visit.value("probe_m", self.probe_m, Range{0.0, 20.0},
+                "How far from the best pose other peaks are sought along the weakest direction; 0: nowhere.");
     visit.value("refine_steps", self.refine_steps, Range{1, 100}, "Most Newton steps on the exact score.");
     visit.value("score_min", self.score_min, Range{0.0, 1.0},
                 "A match whose mean score per point is below is poor: it is retried, and not called converged unless "
