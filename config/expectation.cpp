@@ -7,9 +7,10 @@
 #include <array>
 #include <cctype>
 #include <cstddef>
-#include <numeric>
 #include <variant>
 #include <vector>
+
+#include "config/misspelling.hpp"
 
 namespace odoless {
 namespace {
@@ -26,22 +27,6 @@ std::string real_text(double value) {
 std::string bound_text(const Entry::Value& bound) {
   const auto* const real = std::get_if<double>(&bound);
   return real != nullptr ? fmt::format("{}", *real) : value_text(bound);
-}
-
-/// Fewest letters to insert, remove or replace to make `to` of `from` (Wagner and Fischer).
-std::size_t edit_distance(std::string_view from, std::string_view to) {
-  std::vector<std::size_t> row(to.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < to.size(); ++j) {
-      const std::size_t replaced = diagonal + (from[i] == to[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
-    }
-  }
-  return row.back();
 }
 
 // A right name in the wrong table is nearer than most misspellings.

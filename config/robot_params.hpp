@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/graph/graph_params.hpp"
 #include "core/match/matcher_params.hpp"
 #include "core/motion/robot_limits.hpp"
 #include "core/odometry/laser_odometry.hpp"
@@ -32,6 +33,7 @@ struct RobotParams {
   GateParams gate;
   SlamParams slam;
   RecoveryParams recovery;
+  GraphParams graph;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -42,6 +44,7 @@ struct RobotParams {
     visit.group("gate", self.gate, "When the filter is updated.");
     visit.group("slam", self.slam, "DP-SLAM.");
     visit.group("recovery", self.recovery, "Self-diagnosis, and the search for a robot that is lost.");
+    visit.group("graph", self.graph, "Pose graph of submaps: closes loops of any size.");
   }
 };
 

@@ -8,19 +8,6 @@
 
 namespace odoless {
 
-/// The memory orders of EvictingQueue, each with what breaks without it. Tests weaken them one by one.
-struct EvictingQueueOrders {
-  /// The tail is published after the token and what it stands for: else the consumer reads them unwritten.
-  static constexpr std::memory_order kPublishTail = std::memory_order_release;
-  static constexpr std::memory_order kSeeTail = std::memory_order_acquire;
-  /// A head that the producer moved comes with the tail of that time: else the consumer sees a tail behind the head.
-  static constexpr std::memory_order kEvict = std::memory_order_release;
-  static constexpr std::memory_order kSeeHead = std::memory_order_acquire;
-  /// The consumer has read a slot before the producer may see it free: else it reads the slot's next token.
-  static constexpr std::memory_order kTake = std::memory_order_release;
-  static constexpr std::memory_order kSeeTaken = std::memory_order_acquire;
-};
-
 /// Bounded first-in first-out queue of small tokens that makes room for the newest by giving up the oldest.
 ///
 /// Who pushes gets the evicted token back, so that what it stands for (a slot of a pool) is never lost: each token that
@@ -35,7 +22,7 @@ struct EvictingQueueOrders {
 ///            begins again only when the producer evicted in between. Allocates in its constructor alone.
 ///
 /// @tparam T  Trivially copyable, and small enough for the processor to read and write at once.
-template <class T, class Orders = EvictingQueueOrders>
+template <class T>
 class EvictingQueue {
   static_assert(std::atomic<T>::is_always_lock_free);
 
@@ -47,26 +34,32 @@ class EvictingQueue {
   std::optional<T> push(T token) {
     std::optional<T> evicted;
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
-    std::uint64_t head = head_.load(Orders::kSeeTaken);
+    // Acquire, here and where the swap fails: who finds room sees what the consumer did before it made that. A pool
+    // would lack a slot else, as the one that was given back before is not seen yet.
+    std::uint64_t head = head_.load(std::memory_order_acquire);
     if (tail - head == capacity()) {
       const T oldest = slot(head).load(std::memory_order_relaxed);
-      if (head_.compare_exchange_strong(head, head + 1, Orders::kEvict, Orders::kSeeTaken)) {
+      // Release: a head that was moved here comes with the tail of that time. The consumer would see a tail behind the
+      // head else, and take what is not there.
+      if (head_.compare_exchange_strong(head, head + 1, std::memory_order_release, std::memory_order_acquire)) {
         evicted = oldest;
-        evicted_.fetch_add(1, std::memory_order_relaxed);
+        evicted_.store(this->evicted() + 1, std::memory_order_relaxed);
       }
     }
     slot(tail).store(token, std::memory_order_relaxed);
-    tail_.store(tail + 1, Orders::kPublishTail);
+    // Release: after the token and what it stands for. The consumer would read them unwritten else.
+    tail_.store(tail + 1, std::memory_order_release);
     note_size(tail + 1 - head_.load(std::memory_order_relaxed));
     return evicted;
   }
 
   /// @return  The oldest token, if there is one.
   std::optional<T> try_pop() {
-    std::uint64_t head = head_.load(Orders::kSeeHead);
-    while (head != tail_.load(Orders::kSeeTail)) {
+    std::uint64_t head = head_.load(std::memory_order_acquire);  // of the eviction's release
+    while (head != tail_.load(std::memory_order_acquire)) {      // of the push's release
       const T oldest = slot(head).load(std::memory_order_relaxed);
-      if (head_.compare_exchange_strong(head, head + 1, Orders::kTake, Orders::kSeeHead)) {
+      // Release: after the slot was read, and after all that was given back. Acquire: of the eviction's release.
+      if (head_.compare_exchange_strong(head, head + 1, std::memory_order_release, std::memory_order_acquire)) {
         return oldest;
       }
     }

@@ -7,12 +7,6 @@
 
 namespace odoless {
 
-/// The memory orders of LatestValue. Each side hands one buffer over and takes another, so each needs both halves.
-struct LatestValueOrders {
-  static constexpr std::memory_order kPublish = std::memory_order_acq_rel;
-  static constexpr std::memory_order kUpdate = std::memory_order_acq_rel;
-};
-
 /// The newest of what one thread says, for one other thread: a triple buffer.
 ///
 /// Writer and reader own one buffer each; the third changes hands by one atomic exchange. A value that is overtaken by
@@ -22,7 +16,7 @@ struct LatestValueOrders {
 /// Real time: wait-free on both sides, no allocation, no system call; memory is three values.
 ///
 /// @tparam T  Default constructible; not shared with another thread by pointers inside it.
-template <class T, class Orders = LatestValueOrders>
+template <class T>
 class LatestValue {
  public:
   /// The reader sees `initial` until the first `update` that is true.
@@ -32,7 +26,11 @@ class LatestValue {
   [[nodiscard]] T& back() { return buffers_[back_].value; }
 
   /// Shows `back()` to the reader, and gives the writer another.
-  void publish() { back_ = middle_.exchange(back_ | kNew, Orders::kPublish) & kIndex; }
+  void publish() {
+    // Release: after the value was written. Acquire: the buffer that comes back is written after the reader has read
+    // it.
+    back_ = middle_.exchange(back_ | kNew, std::memory_order_acq_rel) & kIndex;
+  }
 
   void write(const T& value) {
     back() = value;
@@ -44,7 +42,8 @@ class LatestValue {
     if ((middle_.load(std::memory_order_relaxed) & kNew) == 0) {
       return false;
     }
-    front_ = middle_.exchange(front_, Orders::kUpdate) & kIndex;
+    // Release: after the old value was read. Acquire: the new one is read after the writer has written it.
+    front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;
     return true;
   }
 

@@ -10,16 +10,6 @@
 
 namespace odoless {
 
-/// The memory orders of RecordRing, each with what breaks without it. Tests weaken them one by one.
-struct RecordRingOrders {
-  /// The tail is published after the record: else the consumer reads bytes not yet written.
-  static constexpr std::memory_order kPublishTail = std::memory_order_release;
-  static constexpr std::memory_order kSeeTail = std::memory_order_acquire;
-  /// The head is published after the record was read: else the producer writes over bytes still being read.
-  static constexpr std::memory_order kPublishHead = std::memory_order_release;
-  static constexpr std::memory_order kSeeHead = std::memory_order_acquire;
-};
-
 /// Bounded first-in first-out queue of records of any size and type, written and read in place.
 ///
 /// Each record is a header of 8 bytes and its bytes, in one piece and on a multiple of 8. One that does not fit before
@@ -28,8 +18,7 @@ struct RecordRingOrders {
 ///
 /// Thread:    one producer (`reserve`, `commit`), one consumer (`front`, `pop`); all counters from any thread.
 /// Real time: wait-free on both sides, no system call; allocates in its constructor alone.
-template <class Orders>
-class BasicRecordRing {
+class RecordRing {
  public:
   struct Record {
     std::uint32_t type;
@@ -37,15 +26,15 @@ class BasicRecordRing {
   };
 
   /// @param capacity_bytes  Rounded up to a multiple of 16 and to at least 32.
-  explicit BasicRecordRing(std::size_t capacity_bytes)
+  explicit RecordRing(std::size_t capacity_bytes)
       : words_((capacity_bytes < 32 ? 32 : (capacity_bytes + 15) / 16 * 16) / kWord_bytes),
         bytes_(std::as_writable_bytes(std::span(words_))) {}
 
-  BasicRecordRing(const BasicRecordRing&) = delete;
-  BasicRecordRing& operator=(const BasicRecordRing&) = delete;
-  BasicRecordRing(BasicRecordRing&&) = delete;
-  BasicRecordRing& operator=(BasicRecordRing&&) = delete;
-  ~BasicRecordRing() = default;
+  RecordRing(const RecordRing&) = delete;
+  RecordRing& operator=(const RecordRing&) = delete;
+  RecordRing(RecordRing&&) = delete;
+  RecordRing& operator=(RecordRing&&) = delete;
+  ~RecordRing() = default;
 
   /// Room for one record, which the consumer sees after `commit`. A second `reserve` before that takes its place.
   ///
@@ -56,9 +45,10 @@ class BasicRecordRing {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
     const std::size_t to_end_bytes = memory_bytes() - offset(tail);
     const std::size_t skipped_bytes = length_bytes(size_bytes) <= to_end_bytes ? 0 : to_end_bytes;
-    const std::uint64_t used_bytes = tail - head_.load(Orders::kSeeHead);
+    // Acquire: of the release in `pop`.
+    const std::uint64_t used_bytes = tail - head_.load(std::memory_order_acquire);
     if (size_bytes > max_record_bytes() || used_bytes + skipped_bytes + length_bytes(size_bytes) > memory_bytes()) {
-      rejected_.fetch_add(1, std::memory_order_relaxed);
+      rejected_.store(rejected() + 1, std::memory_order_relaxed);
       return {};
     }
     if (skipped_bytes > 0) {
@@ -77,7 +67,8 @@ class BasicRecordRing {
     reserved_.size_bytes = static_cast<std::uint32_t>(size_bytes);
     write_header(reserved_at_, reserved_);
     const std::uint64_t tail = reserved_at_ + length_bytes(size_bytes);
-    tail_.store(tail, Orders::kPublishTail);
+    // Release: after the record was written. The consumer would read bytes that are not yet written else.
+    tail_.store(tail, std::memory_order_release);
     const std::size_t used_bytes = tail - head_.load(std::memory_order_relaxed);
     if (used_bytes > high_water_bytes_.load(std::memory_order_relaxed)) {
       high_water_bytes_.store(used_bytes, std::memory_order_relaxed);
@@ -86,7 +77,7 @@ class BasicRecordRing {
 
   /// The oldest record, if there is one; its bytes stay until `pop`.
   [[nodiscard]] std::optional<Record> front() {
-    const std::uint64_t tail = tail_.load(Orders::kSeeTail);
+    const std::uint64_t tail = tail_.load(std::memory_order_acquire);  // of the release in `commit`
     std::uint64_t head = head_.load(std::memory_order_relaxed);
     if (head == tail) {
       return std::nullopt;
@@ -101,7 +92,10 @@ class BasicRecordRing {
   }
 
   /// Gives the room of the record of the last `front` back to the producer; only after a `front` that had one.
-  void pop() { head_.store(front_end_, Orders::kPublishHead); }
+  void pop() {
+    // Release: after the record was read. The producer would write over bytes that are still read else.
+    head_.store(front_end_, std::memory_order_release);
+  }
 
   /// Records refused since construction.
   [[nodiscard]] std::uint64_t rejected() const { return rejected_.load(std::memory_order_relaxed); }
@@ -150,7 +144,5 @@ class BasicRecordRing {
   alignas(64) std::atomic<std::uint64_t> head_ = 0;  ///< bytes ever read, skipped ones included
   std::uint64_t front_end_ = 0;
 };
-
-using RecordRing = BasicRecordRing<RecordRingOrders>;
 
 }  // namespace odoless

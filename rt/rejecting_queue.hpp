@@ -23,7 +23,7 @@ class RejectingQueue {
   /// False if the queue is full: the value was not taken, which is counted.
   [[nodiscard]] bool try_push(const T& value) {
     if (!queue_.push(value)) {
-      rejected_.fetch_add(1, std::memory_order_relaxed);
+      rejected_.store(rejected() + 1, std::memory_order_relaxed);
       return false;
     }
     const std::size_t size_now = size();

@@ -10,8 +10,8 @@ namespace odoless {
 /// uncontended lock makes no call and is not seen. Other threads are as they were; a thread that this one starts
 /// inherits the list. It can't be taken back. Calls of the vDSO (clock_gettime) aren't system calls and stay free.
 ///
-/// Thread:    the one that is to be held, after its set-up. Its end needs SYS_exit and what else the C library calls
-///            there (SYS_madvise, SYS_futex, SYS_rt_sigprocmask), or it must outlive the test.
+/// Thread:    the one that is to be held, after its set-up. The C library's end of a thread makes more calls (madvise,
+///            rt_sigprocmask, and futex for locks of its heap): end it by SYS_exit itself, or let it outlive the test.
 /// Real time: no; allocates.
 ///
 /// @param allowed  Numbers of system calls (SYS_... of sys/syscall.h), at most 2000.

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/check.hpp"
 #include "core/grid/ancestry_grid.hpp"
@@ -24,11 +23,7 @@ struct TileBox {
 };
 
 std::int8_t occupancy_percent(const Cell& cell, float rho_min_parts) {
-  if (cell.is_unknown()) {
-    return OccupancyMap::kUnknown;
-  }
-  return static_cast<std::int8_t>(
-      std::lround(-100.0 * std::expm1(-static_cast<double>(cell.stops_per_cell(rho_min_parts)))));
+  return cell.is_unknown() ? OccupancyMap::kUnknown : static_cast<std::int8_t>(cell.occupancy_percent(rho_min_parts));
 }
 
 }  // namespace

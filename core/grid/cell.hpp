@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace odoless {
@@ -44,6 +45,11 @@ class Cell {
       *this = halved();
     }
     packed_ += 1U << 16U;
+  }
+
+  /// Probability in percent that a beam stops on a cell's width of way. Not for unknown cells.
+  [[nodiscard]] int occupancy_percent(float rho_min_parts) const {
+    return static_cast<int>(std::lround(-100.0 * std::expm1(-static_cast<double>(stops_per_cell(rho_min_parts)))));
   }
 
   friend bool operator==(const Cell&, const Cell&) = default;

@@ -8,7 +8,9 @@ constexpr int kReturns_min = 8;
 
 NdtParams with_wide_cells(const ReferenceParams& params) {
   NdtParams out = params.ndt;
-  out.cell_size_m = params.wide_cell_size_m;
+  if (params.wide_cell_size_m > 0.0) {
+    out.cell_size_m = params.wide_cell_size_m;
+  }
   return out;
 }
 }  // namespace
@@ -19,7 +21,7 @@ MatchReference::MatchReference(const ReferenceParams& params, int points_max)
       thinned_(points_max),
       exact_ndt_(params.ndt, points_max),
       ndt_(params.ndt, points_max),
-      wide_ndt_(with_wide_cells(params), points_max),
+      wide_ndt_(with_wide_cells(params), params.wide_cell_size_m > 0.0 ? points_max : 1),
       fine_(params.fine),
       coarse_(params.coarse),
       wide_(params.coarse) {
@@ -51,14 +53,17 @@ Errc MatchReference::rebuild(std::span<const PlacedScan> scans) {
   coarse_.paint(ndt_);
   fine_.paint(ndt_);
   if (params_.free_penalty > 0.0) {
-    for (const PlacedScan& placed : scans.first(fitting)) {
-      fine_.mark_free(*placed.scan, placed.reference_T_scan, params_.free_margin_m, params_.free_penalty);
+    for (std::size_t i = 0; i < fitting; i += static_cast<std::size_t>(params_.free_every)) {
+      fine_.mark_free(*scans[i].scan, scans[i].reference_T_scan, params_.free_margin_m, params_.free_penalty);
     }
   }
   return Errc::kOk;
 }
 
 const ScoreRaster& MatchReference::wide() {
+  if (params_.wide_cell_size_m == 0.0) {
+    return coarse_;
+  }
   if (!wide_ready_) {
     wide_ndt_.rebuild(thinned_);
     wide_.paint(wide_ndt_);

@@ -16,14 +16,15 @@ struct ReferenceParams {
   double thinning_m = 0.1;
   double free_margin_m = 0.15;
   double free_penalty = 0.7;
+  int free_every = 1;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.group("ndt", self.ndt, "The Normal Distributions Transform that the last step climbs.");
     visit.group("fine", self.fine, "Raster that the second half of the search looks up.");
     visit.group("coarse", self.coarse, "Blurred raster that the first half of the search looks up.");
-    visit.value("wide_cell_size_m", self.wide_cell_size_m, Range{0.1, 20.0},
-                "Side of an NDT cell when a poor match is tried again.");
+    visit.value("wide_cell_size_m", self.wide_cell_size_m, Range{0.0, 20.0},
+                "Side of an NDT cell when a poor match is tried again; 0: the blurred raster serves.");
     visit.value("thinning_m", self.thinning_m, Range{0.0, 1.0},
                 "Arc length per point, so that near walls do not outvote the rest; 0 keeps all.");
     visit.value("free_margin_m", self.free_margin_m, Range{0.0, 2.0},
@@ -31,6 +32,8 @@ struct ReferenceParams {
     visit.value("free_penalty", self.free_penalty, Range{0.0, 1.0},
                 "What a point loses where the reference saw through; in the fine raster alone, since it hinders the "
                 "coarse search.");
+    visit.value("free_every", self.free_every, Range{1, 100},
+                "One scan in so many marks free space; where scans overlap, the others mark the same.");
   }
 };
 

@@ -1,9 +1,10 @@
 #include "core/match/ndt_matcher.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "core/match/peak_covariance.hpp"
 
 namespace odoless {
 namespace {
@@ -11,24 +12,6 @@ namespace {
 constexpr int kReturns_min = 8;
 constexpr int kProbe_steps = 30;
 constexpr int kRest_steps = 60;
-constexpr double kPoints_per_fact = 5.0;   // neighbouring points err together: the same wall, the same cell
-constexpr double kStray_share = 0.03;      // of the strongest translation's information
-constexpr double kInformation_min = 1e-3;  // per return: keeps the covariance of a direction without hold finite
-
-// Covariance of a peak: the inverse of what the walls hold. The weakest translation is believed the less, the smaller a
-// share of the strongest it is: down there stray points speak, and say the same wrong thing scan after scan.
-Eigen::Matrix3d peak_covariance(const NdtDerivatives& peak, int points) {
-  Eigen::Matrix3d held = peak.held / kPoints_per_fact;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> translation(held.topLeftCorner<2, 2>());
-  const double weak = std::max(0.0, translation.eigenvalues()(0));
-  const double stray = kStray_share * std::max(kInformation_min, translation.eigenvalues()(1));
-  const Eigen::Vector2d direction = translation.eigenvectors().col(0);
-  held.topLeftCorner<2, 2>() -=
-      weak * stray * stray / (weak * weak + stray * stray) * direction * direction.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(held);
-  const Eigen::Vector3d information = axes.eigenvalues().cwiseMax(kInformation_min * points);
-  return axes.eigenvectors() * information.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose();
-}
 
 }  // namespace
 

@@ -83,6 +83,9 @@ class PoseSearch {
  public:
   PoseSearch(const SearchParams& params, int points_max);
 
+  /// For the searches from here on; `de` as at construction.
+  void set_params(const SearchParams& params) { params_ = params; }
+
   [[nodiscard]] SearchOutcome run(const SearchGround& ground, const SearchedScan& scan, const Deadline& deadline,
                                   Rng& rng);
 

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/scan_span.hpp"
 #include "core/geometry/pose2_covariance.hpp"
@@ -142,13 +143,23 @@ bool LaserOdometry::begins_anew(const Motion& motion) {
   return anew;
 }
 
+// A scan that was deskewed with another speed than the robot's is matched with the middle of its sweep where that
+// belongs, and its stamp's pose is off by half a sweep of the difference. From stamp to stamp, that error of one scan
+// would be the speed of the next, with the sign changed: where the sweep takes the whole period, it never ends. From
+// middle to middle there is none.
+double LaserOdometry::turn_between_middles_rad(const ScanFrame& scan, const Motion& motion) {
+  const double before_rad = std::exchange(to_middle_rad_, 0.5 * scan.deskewed_s() * speed_yaw_radps_);
+  const bool is_by_match = started_ && motion.matched() && !motion.has(kJolted);
+  return motion.previous_T_current.yaw_rad + (is_by_match ? to_middle_rad_ - before_rad : 0.0);
+}
+
 void LaserOdometry::remember(const ScanFrame& scan, const Motion& motion, double period_s) {
   // A blind robot is not taken to drive on for ever, and one that was carried away not to go on like that.
   const bool leapt = motion.matched() && motion.probability < kCredible;
   const double kept = leapt ? 0.0 : motion.matched() ? 1.0 : kSpeed_kept_unmatched;
   speed_x_mps_ *= kept;
   speed_y_mps_ *= kept;
-  speed_yaw_radps_ = kept * motion.previous_T_current.yaw_rad / (period_s + motion.duration_sd_s);
+  speed_yaw_radps_ = kept * turn_between_middles_rad(scan, motion) / (period_s + motion.duration_sd_s);
   if (started_) {
     covariance_ = motion.error().after(covariance_);
   }

@@ -77,7 +77,8 @@ class LaserOdometry {
   /// Of the last motion, in the scan's axes; zero before the second scan.
   [[nodiscard]] Velocity2 velocity() const { return {speed_x_mps_, speed_y_mps_, speed_yaw_radps_}; }
 
-  /// `scan` has been made with room for no more beams than the constructor's `scan`.
+  /// `scan` has been made with room for no more beams than the constructor's `scan`; if it was deskewed, then with
+  /// `velocity`.
   [[nodiscard]] Motion process(const ScanFrame& scan, const Deadline& deadline, Rng& rng);
 
  private:
@@ -98,6 +99,8 @@ class LaserOdometry {
   [[nodiscard]] Estimate corrected(const Estimate& prediction, const Pose2& odom_T_key, const MatchResult& match);
   /// Since the last scan that was no repetition; of a repetition since the last scan.
   [[nodiscard]] double unobserved_period_s(const ScanFrame& scan, double period_s);
+  /// Of the last motion, from the middle of the scan before to that of this one.
+  [[nodiscard]] double turn_between_middles_rad(const ScanFrame& scan, const Motion& motion);
   void remember(const ScanFrame& scan, const Motion& motion, double period_s);
   /// How credible the match is, its other answers, and what is usual.
   void judge(const Result<MatchResult>& match, const Pose2& odom_T_key, double period_s, Motion& motion);
@@ -125,6 +128,7 @@ class LaserOdometry {
   double time_sd_s_ = 0.0;
   Pose2 odom_T_scan_{};
   double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;
+  double to_middle_rad_ = 0.0;  ///< turned from the last stamp to the middle of a deskewed scan
   int poor_in_a_row_ = 0;
   double stale_s_ = 0.0;  ///< for which the laser has repeated a scan
   UsualLevel usual_score_{kScore_memory_s};

@@ -52,6 +52,7 @@ Errc ScanFrame::assign(const RawScan& raw) {
   time_ = ScanTime{.time_ns = raw.stamp_ns};
   stale_ = false;
   beam_period_ns_ = raw.beam_period_ns;
+  deskewed_s_ = 0.0;
   size_ = static_cast<int>(raw.ranges_m.size());
   set_geometry(raw);
   returns_ = 0;
@@ -72,6 +73,7 @@ void ScanFrame::deskew(const Velocity2& velocity) {
   if (period_s <= 0.0 || period_s * size_ > kDeskew_max_s || !is_credible) {
     return;
   }
+  deskewed_s_ = period_s * size_;
   angle_step_rad_ += velocity.yaw_radps * period_s;
   for (int i = 0; i < size_; ++i) {
     const auto beam = static_cast<std::size_t>(i);

@@ -61,6 +61,8 @@ class ScanFrame {
   /// `velocity` meanwhile; beam `i` was measured `i` beam periods after the stamp. Does nothing where the scan tells no
   /// beam period, or one that is too long to tell anything. Once per `assign`; linear in the beams, no allocation.
   void deskew(const Velocity2& velocity);
+  /// How long the sweep took of which the motion was taken out; 0: none was.
+  [[nodiscard]] double deskewed_s() const { return deskewed_s_; }
 
   /// When the scan was taken, by a ScanClock; until it is told, that is the stamp.
   void set_time(const ScanTime& time) { time_ = time; }
@@ -106,6 +108,7 @@ class ScanFrame {
   double start_angle_rad_ = 0.0;
   double angle_step_rad_ = 0.0;
   std::int64_t beam_period_ns_ = 0;
+  double deskewed_s_ = 0.0;
   int size_ = 0;
   int returns_ = 0;
   int directions_valid_ = 0;

@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <limits>
@@ -27,6 +28,18 @@ bool is_numeric_host(const std::string& host) {
          inet_pton(AF_INET6, host.c_str(), address.data()) == 1;
 }
 
+/// RFC 1123; a name that ends in a number would be a wrong IPv4 address.
+bool is_host_name(std::string_view host) {
+  constexpr std::size_t kLongest = 253;
+  const auto is_of_name = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.';
+  };
+  const std::string_view last_label = host.substr(host.rfind('.') + 1);
+  return !host.empty() && host.size() <= kLongest && std::all_of(host.begin(), host.end(), is_of_name) &&
+         host.front() != '-' && host.front() != '.' && host.find("..") == std::string_view::npos &&
+         last_label.find_first_not_of("0123456789") != std::string_view::npos;
+}
+
 Result<DeviceAddress> parse_tcp(std::string_view text) {
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) {
@@ -38,7 +51,7 @@ Result<DeviceAddress> parse_tcp(std::string_view text) {
   }
   const std::optional<std::uint16_t> port = parse_number(text.substr(colon + 1), 10);
   TcpAddress address{.host = std::string(host), .port = port.value_or(0)};
-  if (address.port == 0 || !is_numeric_host(address.host)) {
+  if (address.port == 0 || !(is_numeric_host(address.host) || is_host_name(address.host))) {
     return Errc::kBadAddress;
   }
   return DeviceAddress(std::move(address));

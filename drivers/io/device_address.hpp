@@ -15,7 +15,7 @@ struct SerialAddress {
   friend bool operator==(const SerialAddress&, const SerialAddress&) = default;
 };
 
-/// "tcp://192.168.0.10:10940", "tcp://[fe80::1]:10940". Numbers only: looking a name up may take many seconds.
+/// "tcp://192.168.0.10:10940", "tcp://[fe80::1]:10940", "tcp://laser.local:10940".
 struct TcpAddress {
   std::string host;
   std::uint16_t port = 0;

@@ -15,7 +15,7 @@ Result<FileDescriptor> DeviceLine::open(int priority) {
     return open_serial({.path = serial->path, .baud = baud_});
   }
   if (const auto* const tcp = std::get_if<TcpAddress>(&address.value())) {
-    return open_tcp(*tcp);
+    return open_host(*tcp);
   }
   Result<std::unique_ptr<UsbSerial>> opened = UsbSerial::open(*std::get_if<UsbAddress>(&address.value()), priority);
   if (!opened.ok()) {
@@ -23,6 +23,23 @@ Result<FileDescriptor> DeviceLine::open(int priority) {
   }
   usb_ = opened.take();
   return usb_->take_line();
+}
+
+// A host may have an address of each kind and listen at one of them.
+Result<FileDescriptor> DeviceLine::open_host(const TcpAddress& address) {
+  const Result<std::vector<std::string>> hosts = lookup_.find(address.host);
+  if (!hosts.ok()) {
+    return hosts.error();
+  }
+  Errc error = Errc::kDeviceMissing;
+  for (const std::string& host : hosts.value()) {
+    Result<FileDescriptor> opened = open_tcp({.host = host, .port = address.port});
+    if (opened.ok()) {
+      return opened;
+    }
+    error = opened.error();
+  }
+  return error;
 }
 
 }  // namespace odoless

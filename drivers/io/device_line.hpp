@@ -6,6 +6,7 @@
 #include "core/base/result.hpp"
 #include "drivers/io/device_address.hpp"
 #include "drivers/io/file_descriptor.hpp"
+#include "drivers/io/name_lookup.hpp"
 #include "drivers/io/usb_serial.hpp"
 
 namespace odoless {
@@ -27,8 +28,11 @@ class DeviceLine {
   [[nodiscard]] Result<FileDescriptor> open(int priority = 0);
 
  private:
+  [[nodiscard]] Result<FileDescriptor> open_host(const TcpAddress& address);
+
   std::string text_;
   int baud_;
+  NameLookup lookup_;
   std::unique_ptr<UsbSerial> usb_;
 };
 

@@ -20,6 +20,9 @@ constexpr int kConfirmations = 3;
 constexpr int kLateConfirmations = 8;
 constexpr double kTurnsRemembered = 400.0;
 constexpr double kTurnsMax = 20.0;
+constexpr std::int64_t kReadingHoldsNs = 2'000'000'000;  ///< then the clocks' drift would count
+constexpr std::int64_t kLatencyMinNs = 1'500'000;        ///< what the whole milliseconds of two readings may be off by
+constexpr std::int64_t kLatencyMaxNs = 200'000'000;      ///< more is no latency: the clock was set
 
 /// Nearest to 0 of all numbers that differ by whole wraps.
 std::int64_t wrapped(std::int64_t difference_ms) {
@@ -34,6 +37,9 @@ std::int64_t to_ns(double seconds) { return std::llround(seconds * 1e9); }
 void DeviceClock::start(std::int64_t period_ns, std::int64_t delay_ns) {
   period_s_ = static_cast<double>(period_ns) * 1e-9;
   delay_ns_ = delay_ns;
+  reading_.reset();
+  earliest_latency_ns_ = kLatencyMaxNs;
+  latency_ns_ = 0;
   fresh_ = true;
   standing_still_ = 0;
   suspects_ = 0;
@@ -170,13 +176,29 @@ std::int64_t DeviceClock::in_order(std::int64_t stamp_ns) {
   return last_stamp_ns_;
 }
 
+void DeviceClock::learn_latency(std::uint32_t device_ms, std::int64_t arrival_ns) {
+  if (!reading_) {
+    return;
+  }
+  const std::int64_t since_ns =
+      wrapped(static_cast<std::int64_t>(device_ms) - static_cast<std::int64_t>(reading_->device_ms)) * kNsPerMs;
+  const std::int64_t middle_ns = since_ns + kNsPerMs / 2;  // as the stamps have it
+  const std::int64_t late_ns = arrival_ns - delay_ns_ - reading_->host_ns - middle_ns;
+  if (since_ns < 0 || since_ns > kReadingHoldsNs || late_ns > kLatencyMaxNs) {
+    reading_.reset();
+    return;
+  }
+  earliest_latency_ns_ = std::min(earliest_latency_ns_, late_ns);
+  latency_ns_ = earliest_latency_ns_ < kLatencyMinNs ? 0 : earliest_latency_ns_;
+}
+
 Result<std::int64_t> DeviceClock::host_ns(std::uint32_t device_ms, std::int64_t arrival_ns) {
   const bool first = !started_;
   if (!first && !fresh_ && device_ms == last_counter_ms_) {
     if (++standing_still_ < kConfirmations) {
       return Errc::kImplausibleStamp;
     }
-    return in_order(arrival_ns - delay_ns_);
+    return in_order(arrival_ns - delay_ns_ - latency_ns_);
   }
   standing_still_ = 0;
   last_counter_ms_ = device_ms;
@@ -190,6 +212,7 @@ Result<std::int64_t> DeviceClock::host_ns(std::uint32_t device_ms, std::int64_t 
       return Errc::kImplausibleStamp;
     }
     ++resets_;
+    reading_.reset();
     restart(device_ms, arrival_ns);
     now = sample(device_ms, arrival_ns);
   }
@@ -203,7 +226,8 @@ Result<std::int64_t> DeviceClock::host_ns(std::uint32_t device_ms, std::int64_t 
   learn(now);
   fit();
   const double host_s = now.device_s + offset_s_ + drift_ratio_ * now.device_s;
-  return in_order(std::min(host_origin_ns_ + to_ns(host_s), arrival_ns - delay_ns_));
+  learn_latency(device_ms, arrival_ns);
+  return in_order(std::min(host_origin_ns_ + to_ns(host_s), arrival_ns - delay_ns_) - latency_ns_);
 }
 
 }  // namespace odoless

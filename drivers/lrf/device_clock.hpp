@@ -2,10 +2,17 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "core/base/result.hpp"
 
 namespace odoless {
+
+/// The host's time when a device's clock turned to `device_ms`, as the device said when it was asked.
+struct ClockReading {
+  std::uint32_t device_ms = 0;
+  std::int64_t host_ns = 0;
+};
 
 /// Puts a laser's own millisecond counter on the host's clock: host = offset + (1 + drift) * device.
 ///
@@ -13,6 +20,9 @@ namespace odoless {
 /// edge of their lower convex hull below their mean [moon1999skew], at most 0.12 % of drift. Between the counter's
 /// whole milliseconds, the mirror's even turn tells. With 1000 ppm of drift and 5 ms of jitter, a stamp is within 1 ms
 /// of the truth after 10 s.
+///
+/// How late even the earliest bytes are, beyond the delay that is known, only a reading of the device's clock can tell:
+/// within the first 2 s after one, the least late scan does.
 ///
 /// Tracks the wrap of the counter's 24 bits. A counter that starts anew (reset, reboot) is seen after three stamps,
 /// or eight where it goes on as if it had been late; one that stands still after three, too; then the stamp is the
@@ -24,6 +34,9 @@ class DeviceClock {
   /// @param period_ns  From stamp to stamp.
   /// @param delay_ns   From the moment that a stamp tells to the arrival of its last byte, when nothing is late.
   void start(std::int64_t period_ns, std::int64_t delay_ns);
+
+  /// The device was asked for its time since the start, and before the first stamp.
+  void compare(const ClockReading& reading) { reading_ = reading; }
 
   /// The host's time of a device stamp: whole microseconds, and later than every one before.
   ///
@@ -53,10 +66,14 @@ class DeviceClock {
   void learn(const Sample& sample);
   void fit();
   [[nodiscard]] double even_s(double counter_s);
+  void learn_latency(std::uint32_t device_ms, std::int64_t arrival_ns);
   [[nodiscard]] std::int64_t in_order(std::int64_t stamp_ns);
 
   double period_s_ = 0.0;
   std::int64_t delay_ns_ = 0;
+  std::optional<ClockReading> reading_;   ///< while it tells the latency
+  std::int64_t earliest_latency_ns_ = 0;  ///< since the reading
+  std::int64_t latency_ns_ = 0;           ///< of the earliest bytes, beyond the delay
 
   bool started_ = false;  ///< an origin is set
   bool fresh_ = true;     ///< the stream is new: what doesn't fit the line starts a new one at once

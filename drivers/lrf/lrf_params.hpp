@@ -14,8 +14,9 @@ enum class LrfDriver : std::uint8_t {
   kSick,     ///< telegrams of the SICK LMS2xx on a serial line
   kRplidar,  ///< Slamtec RPLIDAR, A series, on a serial line
   kLdrobot,  ///< LDROBOT LD06, LD19, STL-27L, on a serial line
+  kYdlidar,  ///< YDLIDAR X2, X4, G4, TG and their kin, on a serial line
 };
-inline constexpr const char* kLrfDriverNames[] = {"scip", "lcm", "sick", "rplidar", "ldrobot"};
+inline constexpr const char* kLrfDriverNames[] = {"scip", "lcm", "sick", "rplidar", "ldrobot", "ydlidar"};
 
 /// What a laser is asked for.
 enum class LrfReading : std::uint8_t {
@@ -43,6 +44,13 @@ enum class RplidarScan : std::uint8_t {
 };
 inline constexpr const char* kRplidarScanNames[] = {"standard", "express"};
 
+/// How a YDLIDAR measures, which its packets do not tell.
+enum class LrfRanging : std::uint8_t {
+  kTriangle,      ///< X2, X4, G4 and most others: quarters of a mm
+  kTimeOfFlight,  ///< TG15, TG30, TG50, TX8, TX20: mm
+};
+inline constexpr const char* kLrfRangingNames[] = {"triangle", "time_of_flight"};
+
 struct LrfParams {
   LrfDriver driver = LrfDriver::kScip;
   std::string device = "/dev/ttyACM0";
@@ -58,6 +66,8 @@ struct LrfParams {
   int rplidar_beams = 360;
   int rplidar_pwm = 0;
   int ldrobot_beams = 450;
+  int ydlidar_beams = 450;
+  LrfRanging ydlidar_ranging = LrfRanging::kTriangle;
   std::int64_t reply_timeout_ns = 200'000'000;
   std::int64_t stall_timeout_ns = 500'000'000;
 
@@ -65,13 +75,13 @@ struct LrfParams {
   static void describe(Self& self, Visitor& visit) {
     visit.choice("driver", self.driver, kLrfDriverNames,
                  "Protocol of the laser range finder; lcm: another program reads it, and scans come over LCM.");
-    visit.text("device", self.device,
-               "Where the laser is: a path, tcp://ADDRESS:PORT (numbers, no name), or usb://VENDOR:PRODUCT[/SERIAL].");
+    visit.text("device", self.device, "Where the laser is: a path, tcp://HOST:PORT, or usb://VENDOR:PRODUCT[/SERIAL].");
     visit.text("channel", self.channel, "Channel of the scans (planar_lidar_t) for the driver lcm.");
-    visit.value("baud", self.baud, Range{0, 4'000'000},
-                "Rate of the serial line, which Hokuyo and SICK lasers are switched to; 0: the one that the laser has "
-                "(USB has none). Of a SICK, RPLIDAR or LDROBOT on tcp:// or usb://: what the far end's line has, for "
-                "the stamps.");
+    visit.value(
+        "baud", self.baud, Range{0, 4'000'000},
+        "Rate of the serial line, which Hokuyo and SICK lasers are switched to; 0: the one that the laser has "
+        "(USB has none). Of a SICK, RPLIDAR, LDROBOT or YDLIDAR on tcp:// or usb://: what the far end's line has, for "
+        "the stamps.");
     visit.choice("reading", self.reading, kLrfReadingNames, "What the laser sends of each beam.");
     visit.value("cluster", self.cluster, Range{1, 99}, "Neighbouring beams that the laser joins to one, the nearest.");
     visit.value("skip", self.skip, Range{0, 9}, "Scans that the laser leaves out after each one that it sends.");
@@ -92,6 +102,12 @@ struct LrfParams {
     visit.value("ldrobot_beams", self.ldrobot_beams, Range{90, 3600},
                 "Evenly spaced beams that a turn of an LDROBOT laser is given as; it has 450 points at 10 Hz (LD06, "
                 "LD19), or 2160 (STL-27L).");
+    visit.value("ydlidar_beams", self.ydlidar_beams, Range{90, 3600},
+                "Evenly spaced beams that a turn of a YDLIDAR is given as; at 7 Hz it has 430 points (X2), 710 (X4), "
+                "1290 (G4).");
+    visit.choice(
+        "ydlidar_ranging", self.ydlidar_ranging, kLrfRangingNames,
+        "How a YDLIDAR measures ranges: triangle (X2, X4, G4 and most others), or time_of_flight (TG and TX).");
     visit.value("reply_timeout_ns", self.reply_timeout_ns, Range<std::int64_t>{10'000'000, 10'000'000'000},
                 "Time for an answer while the laser is brought up.");
     visit.value("stall_timeout_ns", self.stall_timeout_ns, Range<std::int64_t>{50'000'000, 60'000'000'000},

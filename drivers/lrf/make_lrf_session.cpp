@@ -7,6 +7,7 @@
 #include "drivers/lrf/rplidar/rplidar_session.hpp"
 #include "drivers/lrf/scip/scip_session.hpp"
 #include "drivers/lrf/sick/sick_session.hpp"
+#include "drivers/lrf/ydlidar/ydlidar_session.hpp"
 
 namespace odoless {
 
@@ -24,6 +25,8 @@ std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_
       return std::make_unique<RplidarSession>(params, beams_max);
     case LrfDriver::kLdrobot:
       return std::make_unique<LdrobotSession>(params, beams_max);
+    case LrfDriver::kYdlidar:
+      return std::make_unique<YdlidarSession>(params, beams_max);
     case LrfDriver::kLcm:
       break;
   }

@@ -7,7 +7,7 @@ namespace odoless {
 namespace {
 
 // Figures of the vendors' data sheets; the deviation is the one at 1 to 4 m.
-constexpr std::array<LrfModel, 8> kModels{{
+constexpr std::array<LrfModel, 12> kModels{{
     {"lms200", 180.0, 181, 5.0, 80.0, 0.015},
     {"lms200-half", 180.0, 361, 5.0, 80.0, 0.015},
     {"urg-04lx", 240.0, 683, 10.0, 5.6, 0.010},
@@ -16,6 +16,10 @@ constexpr std::array<LrfModel, 8> kModels{{
     {"ld06", 360.0, 450, 10.0, 12.0, 0.010},
     {"ld19", 360.0, 450, 10.0, 12.0, 0.010},
     {"stl-27l", 360.0, 2000, 10.0, 25.0, 0.010},
+    {"ydlidar-x2", 360.0, 430, 7.0, 8.0, 0.020},
+    {"ydlidar-x4", 360.0, 714, 7.0, 10.0, 0.020},
+    {"ydlidar-g4", 360.0, 1286, 7.0, 16.0, 0.020},
+    {"ydlidar-tg30", 360.0, 2000, 10.0, 30.0, 0.030},
 }};
 
 }  // namespace

@@ -74,12 +74,19 @@ Parsed parse_tilt(std::string_view arguments) {
                         .tilt = static_cast<TiltCommand>(std::distance(std::begin(kTiltCommandNames), found))};
 }
 
+Parsed parse_status(std::string_view arguments) {
+  const std::string_view form = next_word(arguments);
+  if ((!form.empty() && form != "json") || !next_word(arguments).empty()) {
+    return "status takes no argument but json";
+  }
+  return ControlCommand{.kind = form.empty() ? Kind::kStatus : Kind::kStatusJson};
+}
+
 struct Word {
   std::string_view name;
   Kind kind;
 };
-constexpr std::array<Word, 6> kPlainCommands{{{"status", Kind::kStatus},
-                                              {"save", Kind::kSave},
+constexpr std::array<Word, 5> kPlainCommands{{{"save", Kind::kSave},
                                               {"reset", Kind::kReset},
                                               {"pause", Kind::kPause},
                                               {"resume", Kind::kResume},
@@ -91,6 +98,9 @@ Parsed parse_control_command(std::string_view line) {
   const std::string_view word = next_word(line);
   if (word == "pose") {
     return parse_pose(line);
+  }
+  if (word == "status") {
+    return parse_status(line);
   }
   if (word == "tilt") {
     return parse_tilt(line);

@@ -11,7 +11,7 @@ namespace odoless {
 
 /// What somebody may ask of the daemon.
 struct ControlCommand {
-  enum class Kind { kStatus, kSave, kReset, kPose, kPause, kResume, kTilt, kStop };
+  enum class Kind { kStatus, kStatusJson, kSave, kReset, kPose, kPause, kResume, kTilt, kStop };
   Kind kind = Kind::kStatus;
   Pose2 map_T_scan{};                     ///< of kPose: finite, within `kPoseMax_m`
   TiltCommand tilt = TiltCommand::kStop;  ///< of kTilt
@@ -22,7 +22,7 @@ inline constexpr double kPoseMax_m = 10'000.0;
 
 /// All commands, for a person.
 inline constexpr const char* kControlCommands =
-    "status, save, reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, stop";
+    "status [json], save, reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, stop";
 
 /// Reads a command, word by word, from whoever may write to the socket: nothing of it is trusted.
 /// @return  The command, or why it is refused: what is wrong and what would be right.

@@ -10,6 +10,7 @@
 #include "firmware/daemon/signals.hpp"
 #include "firmware/daemon/start_up.hpp"
 #include "firmware/daemon/supervisor.hpp"
+#include "firmware/web/web_server.hpp"
 #include "rt/memory_lock.hpp"
 #include "rt/stop_flag.hpp"
 
@@ -53,6 +54,10 @@ int refuse_thread(int error) {
   return refuse({EX_OSERR, fmt::format("a thread cannot be made: {}", reason_of(error))});
 }
 
+std::unique_ptr<WebServer> make_page(const WebParams& params, Machine& machine) {
+  return params.is_used() ? std::make_unique<WebServer>(params, *machine.publisher().live()) : nullptr;
+}
+
 bool refuse(const DaemonOptions& options, const char* what, int error) {
   log_line(options.require_realtime ? EventPriority::kError : EventPriority::kWarning,
            fmt::format("{}: {}; {}", what, reason_of(error),
@@ -67,7 +72,7 @@ bool refuse(const DaemonOptions& options, const char* what, int error) {
 int run_daemon(DaemonOptions options) {
   hold_standard_descriptors();
   block_signals();
-  if (const Lack lack = lack_of_descriptors(); lack.status != EX_OK) {
+  if (const Lack lack = lack_of_descriptors(WebServer::threads(options.params.web)); lack.status != EX_OK) {
     return refuse(lack);
   }
   if (const Lack lack = lack_of_folders(options); lack.status != EX_OK) {
@@ -78,7 +83,8 @@ int run_daemon(DaemonOptions options) {
     return EX_NOPERM;
   }
   Machine machine(options);
-  if (const Lack lack = lack_of_threads(machine.threads()); lack.status != EX_OK) {
+  if (const Lack lack = lack_of_threads(machine.threads() + WebServer::threads(options.params.web));
+      lack.status != EX_OK) {
     return refuse(lack);
   }
   if (const Lack lack = lack_of_memory(machine.map_cells()); lack.status != EX_OK) {
@@ -86,6 +92,10 @@ int run_daemon(DaemonOptions options) {
   }
   if (const Lack lack = machine.open(); lack.status != EX_OK) {
     return refuse(lack);
+  }
+  const std::unique_ptr<WebServer> page = make_page(options.params.web, machine);
+  if (const std::string wrong = page ? page->open() : ""; !wrong.empty()) {
+    return refuse({EX_UNAVAILABLE, wrong});
   }
   Supervisor supervisor(options, machine, memory_error != 0 ? kReasonNotRealTime : 0U);
   if (const int status = supervisor.open(); status != EX_OK) {
@@ -103,6 +113,12 @@ int run_daemon(DaemonOptions options) {
   PublisherThread publisher(machine);
   if (const int error = publisher.start(); error != 0) {
     return refuse_thread(error);
+  }
+  if (const int error = page ? page->start() : 0; error != 0) {
+    return refuse_thread(error);
+  }
+  if (page) {
+    log_line(EventPriority::kNotice, fmt::format("page: http://{}/", options.params.web.listen));
   }
   return supervisor.run();
 }

@@ -16,7 +16,8 @@ std::string DaemonParams::contradiction() const {
                              beams, beams_max);
   };
   for (const std::string& said : {too_many(LrfDriver::kRplidar, "rplidar_beams", lrf.rplidar_beams),
-                                  too_many(LrfDriver::kLdrobot, "ldrobot_beams", lrf.ldrobot_beams)}) {
+                                  too_many(LrfDriver::kLdrobot, "ldrobot_beams", lrf.ldrobot_beams),
+                                  too_many(LrfDriver::kYdlidar, "ydlidar_beams", lrf.ydlidar_beams)}) {
     if (!said.empty()) {
       return said;
     }
@@ -26,7 +27,7 @@ std::string DaemonParams::contradiction() const {
     return fmt::format("lrf.sick_variant has {} beams, more than scan.beams_max = {}, which must be larger", beams,
                        beams_max);
   }
-  return "";
+  return web.contradiction();
 }
 
 }  // namespace odoless

@@ -12,6 +12,7 @@
 #include "firmware/lcm/lcm_params.hpp"
 #include "firmware/lcm/log_writer_params.hpp"
 #include "firmware/pipeline/pipeline_params.hpp"
+#include "firmware/web/web_params.hpp"
 
 namespace odoless {
 
@@ -37,6 +38,7 @@ struct DaemonParams {
   LogWriterParams recorder;
   HealthParams health;
   ControlParams control;
+  WebParams web;
 
   /// The 3D map, which takes a tilting laser; none where there is no tilt servo, or it is switched off.
   [[nodiscard]] std::optional<MappingParams> mapping_in_use() const {
@@ -59,6 +61,7 @@ struct DaemonParams {
     visit.group("recorder", self.recorder, "The log of all messages.");
     visit.group("health", self.health, "From when on something counts as wrong.");
     visit.group("control", self.control, "Commands to the daemon.");
+    visit.group("web", self.web, "The page that shows in a browser what the daemon does.");
     RobotParams::describe(self.robot, visit);
   }
 };

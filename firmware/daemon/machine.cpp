@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <span>
 
 #include "firmware/daemon/log.hpp"
 #include "firmware/daemon/real_time_entry.hpp"
@@ -17,11 +18,22 @@ constexpr std::int64_t kSensorBudget_ns = 5'000'000;
 GridGeometry geometry_of(const FilterStage* filter) { return filter != nullptr ? filter->geometry() : GridGeometry{}; }
 
 PublisherParams publisher_params(const DaemonParams& params) {
-  return {params.lcm, params.recorder, params.health, params.lrf.driver, params.mapping_in_use()};
+  return {params.lcm, params.recorder, params.health, params.lrf.driver, params.mapping_in_use(), params.web.is_used()};
 }
 
 CloudFormat format_of(const std::optional<MappingParams>& mapping) {
   return mapping ? mapping->save_as : CloudFormat::kNone;
+}
+
+/// Gives each pose of a path that of the trajectory at its stamp. Both are in the order of their stamps.
+void move_to(std::span<const StampedPose> trajectory, std::span<StampedPose> path) {
+  auto at = trajectory.begin();
+  for (StampedPose& pose : path) {
+    at = std::find_if(at, trajectory.end(), [&](const StampedPose& each) { return each.stamp_ns >= pose.stamp_ns; });
+    if (at != trajectory.end() && at->stamp_ns == pose.stamp_ns) {
+      pose.map_T_scan = at->map_T_scan;
+    }
+  }
 }
 
 }  // namespace
@@ -61,6 +73,10 @@ Machine::Machine(DaemonOptions& options)
   }
   if (filter_) {
     filter_loop_ = std::make_unique<FilterLoop>(pipeline_, *filter_, params, options.params.lcm.map_refresh_s);
+    if (options.params.robot.graph.enabled) {
+      filter_loop_->tell_keyframes(options.params.robot.graph);
+      publisher_.attach(options.params.robot, options.seed);
+    }
     if (options.params.mapping_in_use()) {
       filter_loop_->tell_path();
     }
@@ -129,6 +145,7 @@ int Machine::start(bool enforce) {
   };
   const std::atomic<bool>& before_filter = matcher_ ? pipeline_.matcher.done : pipeline_.sensor.done;
   int error = gpio_thread_ ? gpio_thread_->start() : 0;
+  error = error != 0 ? error : publisher_.start_graph();
   if (filter_loop_ && error == 0) {
     error = run(filter_thread_, worker_system_calls(), [this, &before_filter] { filter_loop_->run(before_filter); });
   }
@@ -175,7 +192,7 @@ bool Machine::stop() {
   return true;
 }
 
-int Machine::threads() const { return kStages + 1 + (gpio_thread_ ? 1 : 0); }
+int Machine::threads() const { return kStages + 1 + (gpio_thread_ ? 1 : 0) + (publisher_.has_graph() ? 1 : 0); }
 
 std::size_t Machine::map_cells() const {
   const GridGeometry geometry = geometry_of(filter_.get());
@@ -222,10 +239,14 @@ DaemonResult Machine::result() {
     filter_->filter().write_path(path);
     filter_->filter().write_occupancy(result.map);
     result.trajectory = publisher_.final_poses(path);
+    if (publisher_.write_world(true, result.trajectory, result.map)) {
+      move_to(result.trajectory, path);
+    }
     result.cloud = has_cloud ? publisher_.final_cloud(path) : result.cloud;
   } else {
     result.map = publisher_.map();
     result.trajectory = result.online_trajectory;
+    static_cast<void>(publisher_.write_world(false, result.trajectory, result.map));
     result.cloud = has_cloud ? publisher_.cloud() : result.cloud;
   }
   result.health = publisher_.health();

@@ -15,6 +15,7 @@
 #include "firmware/stages/filter_stage.hpp"
 #include "firmware/stages/matcher_stage.hpp"
 #include "firmware/threads/intake.hpp"
+#include "firmware/web/web_server.hpp"
 #include "rt/real_time_thread.hpp"
 
 namespace odoless {
@@ -78,12 +79,22 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
   const auto filter = std::make_unique<FilterStage>(params.robot, 1);
   meter.note("filter: particles and their maps");
   const auto publisher = std::make_unique<Publisher>(
-      PublisherParams{params.lcm, params.recorder, params.health, {}, params.mapping_in_use()}, filter->geometry(),
-      *pipeline, "");
-  meter.note("publisher: the map as published, the 3D map, messages");
+      PublisherParams{params.lcm, params.recorder, params.health, {}, params.mapping_in_use(), params.web.is_used()},
+      filter->geometry(), *pipeline, "");
+  meter.note("publisher: the map as published and as the page shows it, the 3D map, messages");
+  if (params.robot.graph.enabled) {
+    publisher->attach(params.robot, 1);
+  }
+  meter.note("pose graph: keyframes, submaps, constraints");
   std::vector<MemoryShare> shares = meter.take();
-  shares.push_back({"stacks of the threads", (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes +
-                                                 kPublisherStack_bytes + kFirstStack_bytes});
+  shares.push_back({"stacks of the threads",
+                    (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes +
+                        (params.robot.graph.enabled ? GraphFeed::kStack_bytes + GraphFeed::kScratch_bytes : 0) +
+                        kPublisherStack_bytes + kFirstStack_bytes});
+  if (params.web.is_used()) {
+    shares.push_back({"page: stacks of its threads",
+                      static_cast<std::size_t>(WebServer::threads(params.web)) * WebServer::kStack_bytes});
+  }
   shares.push_back({"program and libraries", program_bytes()});
   return shares;
 }

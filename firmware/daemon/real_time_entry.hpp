@@ -10,7 +10,8 @@ namespace odoless {
 [[nodiscard]] std::span<const int> sensor_system_calls();
 [[nodiscard]] std::span<const int> worker_system_calls();
 
-/// Runs a real-time thread's loop, held to what it may do.
+/// Runs a real-time thread's loop, held to what it may do, and ends the thread: nothing after this is done, and no
+/// destructor of a thread-local object.
 void run_enforced(std::span<const int> allowed_system_calls, const std::function<void()>& loop);
 
 }  // namespace odoless

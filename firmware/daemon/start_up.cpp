@@ -8,7 +8,6 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
@@ -75,17 +74,32 @@ void hold_standard_descriptors() {
   }
 }
 
-Lack lack_of_descriptors() {
-  std::array<FileDescriptor, kDescriptors> probes;
-  for (int i = 0; i < kDescriptors; ++i) {
-    FileDescriptor& probe = probes[static_cast<std::size_t>(i)];
-    probe.reset(::eventfd(0, EFD_CLOEXEC));
-    if (!probe.valid()) {
+std::string lack_of_priority(const DaemonOptions& options) {
+  const PipelineParams& pipeline = options.params.pipeline;
+  const char* const ordinary = pipeline.sensor_priority == 0                                   ? "sensor"
+                               : has_matcher(options.stages) && pipeline.matcher_priority == 0 ? "matcher"
+                               : has_filter(options.stages) && pipeline.filter_priority == 0   ? "filter"
+                                                                                               : nullptr;
+  if (!options.require_realtime || ordinary == nullptr) {
+    return "";
+  }
+  return fmt::format(
+      "pipeline.{}_priority is 0: an ordinary thread, and real time is required (--require-realtime); "
+      "1 to 98 is needed",
+      ordinary);
+}
+
+Lack lack_of_descriptors(int connections) {
+  std::vector<FileDescriptor> probes(static_cast<std::size_t>(kDescriptors + connections));
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    probes[i].reset(::eventfd(0, EFD_CLOEXEC));
+    if (!probes[i].valid()) {
       const int error = errno;
-      probes = {};
+      const std::size_t needed = probes.size();
+      probes.clear();
       return {EX_OSERR, fmt::format("only {} files can be opened ({}), and {} are needed: the limit must be higher "
                                     "(ulimit -n, LimitNOFILE of systemd)",
-                                    i, reason_of(error), kDescriptors)};
+                                    i, reason_of(error), needed)};
     }
   }
   return {};

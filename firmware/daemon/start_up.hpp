@@ -18,8 +18,12 @@ struct Lack {
 /// log lines would go to it.
 void hold_standard_descriptors();
 
-/// Files that can be opened besides: 71 where there are too few.
-[[nodiscard]] Lack lack_of_descriptors();
+/// Where real time is required: which stage that runs here the configuration makes an ordinary thread; else an empty
+/// text.
+[[nodiscard]] std::string lack_of_priority(const DaemonOptions& options);
+
+/// Files that can be opened besides, and a connection for each of that many browsers: 71 where there are too few.
+[[nodiscard]] Lack lack_of_descriptors(int connections);
 
 /// The folders for results and for the recorder: 73 where one cannot be written to.
 [[nodiscard]] Lack lack_of_folders(const DaemonOptions& options);

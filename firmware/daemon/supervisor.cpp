@@ -9,15 +9,18 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <variant>
 
+#include "drivers/io/device_advice.hpp"
 #include "drivers/io/device_line.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
 #include "drivers/tilt/tilt_line.hpp"
 #include "firmware/daemon/log.hpp"
 #include "firmware/daemon/service_manager.hpp"
 #include "firmware/health/health_text.hpp"
+#include "firmware/health/status.hpp"
 
 namespace odoless {
 namespace {
@@ -93,13 +96,14 @@ int Supervisor::open_laser() {
     return EX_CONFIG;
   }
   if (laser_error_ != Errc::kDeviceMissing) {
-    log_line(EventPriority::kError, fmt::format("{}: {} (lrf.device)", device, describe(laser_error_)));
+    log_line(EventPriority::kError,
+             fmt::format("{}: {} (lrf.device)", device, device_error_text(laser_error_, device)));
     return laser_error_ == Errc::kDeviceDenied ? EX_NOPERM
            : laser_error_ == Errc::kBadAddress ? EX_CONFIG
                                                : EX_UNAVAILABLE;
   }
-  log_line(EventPriority::kWarning,
-           fmt::format("{}: {}; it is opened as soon as it is there (lrf.device)", device, describe(laser_error_)));
+  log_line(EventPriority::kWarning, fmt::format("{}: {}; it is opened as soon as it is there (lrf.device)", device,
+                                                device_error_text(laser_error_, device)));
   surroundings_.device_tried = true;
   return EX_OK;
 }
@@ -156,12 +160,13 @@ void Supervisor::keep_laser_open() {
   }
   const Errc error = keeper_.tick(machine_.clock().now_ns());
   if (error != Errc::kOk && error != laser_error_) {
-    log_line(EventPriority::kWarning, fmt::format("{}: {}", options_.params.lrf.device, describe(error)));
+    log_line(EventPriority::kWarning,
+             fmt::format("{}: {}", options_.params.lrf.device, device_error_text(error, options_.params.lrf.device)));
   }
   if (error != Errc::kOk) {
     laser_error_ = error;
     surroundings_.device_tried = true;
-  } else if (machine_.line().in_use) {
+  } else if (!machine_.line().is_empty()) {
     laser_error_ = Errc::kOk;
     surroundings_.device_tried = false;
   }
@@ -174,10 +179,11 @@ void Supervisor::keep_tilt_open() {
   }
   const Errc error = tilt_keeper_.tick(machine_.clock().now_ns());
   if (error != Errc::kOk && error != tilt_error_) {
-    log_line(EventPriority::kWarning, fmt::format("{}: {}; it is opened as soon as it can be (tilt.device)",
-                                                  options_.params.tilt.device, describe(error)));
+    log_line(EventPriority::kWarning,
+             fmt::format("{}: {}; it is opened as soon as it can be (tilt.device)", options_.params.tilt.device,
+                         device_error_text(error, options_.params.tilt.device)));
   }
-  if (error != Errc::kOk || machine_.tilt_line().in_use) {
+  if (error != Errc::kOk || !machine_.tilt_line().is_empty()) {
     tilt_error_ = error;
   }
 }
@@ -252,7 +258,7 @@ std::string Supervisor::answer(std::string_view line, const ControlPeer& peer) {
   }
   const auto& command = std::get<ControlCommand>(parsed);
   const std::string said = obey(command);
-  if (command.kind != ControlCommand::Kind::kStatus) {
+  if (command.kind != ControlCommand::Kind::kStatus && command.kind != ControlCommand::Kind::kStatusJson) {
     log_line(EventPriority::kNotice, fmt::format("command '{}' of user {}, pid {}: {}", line, peer.uid, peer.pid,
                                                  said.substr(0, said.find('\n'))));
   }
@@ -262,7 +268,9 @@ std::string Supervisor::answer(std::string_view line, const ControlPeer& peer) {
 std::string Supervisor::obey(const ControlCommand& command) {
   switch (command.kind) {
     case ControlCommand::Kind::kStatus:
-      return status_text();
+      return status_text(machine_.publisher().status());
+    case ControlCommand::Kind::kStatusJson:
+      return status_json(machine_.publisher().status()).dump() + "\n";
     case ControlCommand::Kind::kSave: {
       const std::string wrong = save();
       return wrong.empty() ? fmt::format("ok: saved to {}\n", options_.folder.string()) : "error: " + wrong + "\n";
@@ -295,27 +303,6 @@ std::string Supervisor::command_filter(const ControlCommand& command) {
   }
   machine_.pipeline().filter.wake.notify();
   return "ok\n";
-}
-
-std::string Supervisor::status_text() {
-  const HealthReport health = machine_.publisher().health();
-  const std::string cloud =
-      health.cloud ? fmt::format("3D map: {} points, {:.0f} % of its memory; {} returns refused, {} scans left out\n",
-                                 health.cloud->points, 100.0 * health.cloud->used, health.cloud->refused,
-                                 health.cloud->scans_left_out)
-                   : "";
-  return fmt::format(
-      "{}\nscans {} accepted, {} rejected, {} dropped, {} not level, {:.1f} Hz, age {:.3f} s\n"
-      "stamps: {}\n"
-      "pose right within 0.5 m and 5 deg: {:.1f} %\n"
-      "fitness {:.2f}, particles {}, effective {:.0f}, map pool {:.0f} %\n"
-      "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n{}",
-      state_sentence(health), health.lrf.accepted, health.lrf.rejected, health.lrf.dropped, health.scans_not_level,
-      health.lrf.rate_hz, health.lrf.age_s, times_text(health.lrf.times), 100.0 * health.pose_probability,
-      health.fitness, health.particles, health.effective_particles, 100.0 * health.map_pool_used,
-      health.stages[kMatcherStage].p50_ms, health.stages[kMatcherStage].p99_ms, health.stages[kMatcherStage].max_ms,
-      health.stages[kFilterStage].p50_ms, health.stages[kFilterStage].p99_ms, health.stages[kFilterStage].max_ms,
-      cloud);
 }
 
 std::string Supervisor::save() {

@@ -8,6 +8,7 @@
 #include "firmware/daemon/control_server.hpp"
 #include "firmware/daemon/machine.hpp"
 #include "firmware/daemon/signals.hpp"
+#include "firmware/sources/line_keeper.hpp"
 
 namespace odoless {
 
@@ -43,7 +44,6 @@ class Supervisor {
   [[nodiscard]] std::string obey(const ControlCommand& command);
   [[nodiscard]] std::string command_tilt(TiltCommand command);
   [[nodiscard]] std::string command_filter(const ControlCommand& command);
-  [[nodiscard]] std::string status_text();
   [[nodiscard]] std::string save();
   [[nodiscard]] int end();
   [[noreturn]] void end_without_stages();

@@ -102,7 +102,7 @@ HealthState HealthMonitor::state_of(const SensorReport& sensor, const FilterRepo
     return HealthState::kLost;
   }
   constexpr std::uint32_t kHarmless =
-      kReasonNotRealTime | kReasonPaused | kReasonPublishing | kReasonStorage | kReasonStopped | kReasonCloudFull;
+      kReasonPaused | kReasonPublishing | kReasonStorage | kReasonStopped | kReasonCloudFull;
   return (report_.reasons & ~kHarmless) != 0 ? HealthState::kDegraded : HealthState::kOk;
 }
 

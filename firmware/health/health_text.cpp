@@ -18,7 +18,7 @@ constexpr std::array<const char*, 24> kReasonTexts{"no scans",
                                                    "scans do not fit to the map",
                                                    "scans or records are dropped, or updates cut short",
                                                    "a deadline was missed",
-                                                   "not in real time",
+                                                   "real-time scheduling or locked memory is refused",
                                                    "a file cannot be written",
                                                    "the map is full",
                                                    "LCM messages cannot be sent (is the network up?)",
@@ -51,15 +51,17 @@ const char* name_of(HealthState state) {
   return "?";
 }
 
-std::string reasons_text(std::uint32_t reasons) {
-  std::string text;
+std::vector<std::string> reasons_of(std::uint32_t reasons) {
+  std::vector<std::string> texts;
   for (std::size_t bit = 0; bit < kReasonTexts.size(); ++bit) {
     if ((reasons >> bit & 1U) != 0) {
-      text += (text.empty() ? "" : ", ") + std::string(kReasonTexts.at(bit));
+      texts.emplace_back(kReasonTexts.at(bit));
     }
   }
-  return text;
+  return texts;
 }
+
+std::string reasons_text(std::uint32_t reasons) { return fmt::format("{}", fmt::join(reasons_of(reasons), ", ")); }
 
 std::string times_text(const ScanTimeFindings& times) {
   std::string text;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "firmware/records/health.hpp"
 
@@ -9,7 +10,10 @@ namespace odoless {
 /// "OK", "DEGRADED" and so on.
 [[nodiscard]] const char* name_of(HealthState state);
 
-/// The reasons, a few words each, joined by commas; empty if there is none.
+/// The reasons, a few words each.
+[[nodiscard]] std::vector<std::string> reasons_of(std::uint32_t reasons);
+
+/// The same joined by commas; empty if there is none.
 [[nodiscard]] std::string reasons_text(std::uint32_t reasons);
 
 /// What the stamps of the scans were like: "631 stamps out of order, 2 gaps of up to 3.0 s; scan period 0.197 s

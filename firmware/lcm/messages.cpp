@@ -68,6 +68,7 @@ std::int16_t status_type(LrfDriver laser) {
       return bot_core::sensor_status_t::SICK_LASER;
     case LrfDriver::kRplidar:
     case LrfDriver::kLdrobot:
+    case LrfDriver::kYdlidar:
     case LrfDriver::kLcm:
       break;
   }

@@ -47,6 +47,11 @@ MapView MapStore::view(std::int64_t stamp_ns) {
   return view;
 }
 
+MapSize MapStore::size() const {
+  return {std::max(column_end_ - column_min_, 0) * geometry_.resolution_m,
+          std::max(row_end_ - row_min_, 0) * geometry_.resolution_m, geometry_.resolution_m};
+}
+
 OccupancyMap MapStore::map() {
   const MapView known = view(0);
   OccupancyMap map;

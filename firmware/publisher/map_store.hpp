@@ -6,6 +6,7 @@
 
 #include "core/grid/grid_geometry.hpp"
 #include "core/grid/occupancy_map.hpp"
+#include "firmware/health/status.hpp"
 #include "firmware/lcm/map_view.hpp"
 #include "firmware/records/records.hpp"
 
@@ -23,6 +24,7 @@ class MapStore {
   /// The part that is known; no cells while nothing is. Valid until the next call.
   [[nodiscard]] MapView view(std::int64_t stamp_ns);
   [[nodiscard]] OccupancyMap map();
+  [[nodiscard]] MapSize size() const;
 
   [[nodiscard]] std::size_t memory_bytes() const { return 2 * cells_.capacity(); }
 

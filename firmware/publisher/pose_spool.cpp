@@ -23,7 +23,7 @@ void PoseSpool::add(const PoseRecord& pose) {
   if (!file_) {
     return;
   }
-  const Entry entry{pose.stamp_ns, pose.map_T_scan, pose.update_stamp_ns, pose.update_T_scan};
+  const Entry entry{pose.stamp_ns, pose.map_T_scan, pose.update_stamp_ns, pose.update_T_scan, pose.odom_T_scan};
   if (std::fwrite(&entry, sizeof(entry), 1, file_.get()) != 1) {
     error_ = errno;
   }
@@ -44,6 +44,14 @@ std::vector<StampedPose> PoseSpool::online() {
   std::vector<StampedPose> poses;
   for (const Entry& entry : read_all()) {
     poses.push_back({entry.stamp_ns, entry.map_T_scan});
+  }
+  return poses;
+}
+
+std::vector<StampedPose> PoseSpool::odometry() {
+  std::vector<StampedPose> poses;
+  for (const Entry& entry : read_all()) {
+    poses.push_back({entry.stamp_ns, entry.odom_T_scan});
   }
   return poses;
 }

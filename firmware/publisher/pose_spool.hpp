@@ -24,6 +24,8 @@ class PoseSpool {
 
   /// As they were published at the time.
   [[nodiscard]] std::vector<StampedPose> online();
+  /// odom_T_scan of each, in place of map_T_scan.
+  [[nodiscard]] std::vector<StampedPose> odometry();
   /// As known at the end: each pose hangs on a filter update, and `path` says where that was. Poses whose update is
   /// not in the path stay as they were published.
   [[nodiscard]] std::vector<StampedPose> final(std::span<const StampedPose> path);
@@ -37,6 +39,7 @@ class PoseSpool {
     Pose2 map_T_scan{};
     std::int64_t update_stamp_ns = 0;
     Pose2 update_T_scan{};
+    Pose2 odom_T_scan{};
   };
   struct Closer {
     // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): it is the owner

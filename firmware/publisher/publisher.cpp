@@ -16,6 +16,7 @@ Publisher::Publisher(const PublisherParams& params, const GridGeometry& geometry
       monitor_(params.health),
       map_(geometry),
       cloud_(params.mapping ? std::make_unique<CloudFeed>(*params.mapping, pipeline.pool.beams_max()) : nullptr),
+      live_(params.has_page ? std::make_unique<LiveView>(geometry) : nullptr),
       poses_(folder),
       wants_link_(!params.lcm.url.empty()),
       overview_ns_(static_cast<std::int64_t>(params.lcm.overview_s * 1e9)) {
@@ -24,6 +25,10 @@ Publisher::Publisher(const PublisherParams& params, const GridGeometry& geometry
   if (!params.recorder.path.empty()) {
     link_.set_tap(&recorder_);
   }
+}
+
+void Publisher::attach(const RobotParams& robot, std::uint64_t seed) {
+  graph_ = std::make_unique<GraphFeed>(robot, seed, pipeline_.lossless);
 }
 
 void Publisher::round(std::int64_t now_ns) {
@@ -76,6 +81,8 @@ void Publisher::take(RecordType type, std::span<const std::byte> bytes) {
       return take_pose(bytes);
     case RecordType::kMapTile:
       return take_tile(bytes);
+    case RecordType::kKeyframe:
+      return take_keyframe(bytes);
     case RecordType::kEvent:
       return;
   }
@@ -110,12 +117,26 @@ void Publisher::take_motion(std::span<const std::byte> bytes) {
 void Publisher::take_pose(std::span<const std::byte> bytes) {
   const auto pose = record_of<PoseRecord>(bytes);
   poses_.add(pose);
+  last_pose_ = pose;
+  ++poses_counted_;
   if (cloud_) {
     cloud_->add(pose);
   }
+  if (live_) {
+    live_->take(pose);
+  }
   static_cast<void>(link_.publish(pose));
   if (pose.stamp_ns == last_scan_.stamp_ns) {
+    if (live_) {
+      live_->take(pose, last_scan_, last_ranges_m_);
+    }
     static_cast<void>(link_.publish_points(pose, last_scan_, last_ranges_m_));
+  }
+}
+
+void Publisher::take_keyframe(std::span<const std::byte> bytes) {
+  if (graph_) {
+    graph_->add(record_of<Keyframe>(bytes), elements_of<BeamCode, Keyframe>(bytes));
   }
 }
 
@@ -123,6 +144,9 @@ void Publisher::take_tile(std::span<const std::byte> bytes) {
   const auto tile = record_of<MapTileRecord>(bytes);
   const std::span<const std::uint8_t> cells = elements_of<std::uint8_t, MapTileRecord>(bytes);
   map_.update(tile, cells);
+  if (live_) {
+    live_->take(tile, cells);
+  }
   map_changed_ = true;
   static_cast<void>(link_.publish(tile, cells));
 }
@@ -153,18 +177,30 @@ void Publisher::watch(std::int64_t now_ns) {
   surroundings_.publish_errors = link_.counters().errors;
   surroundings_.storage_error = recorder_.counters().last_error != 0 ? recorder_.counters().last_error : poses_.error();
   surroundings_.cloud = cloud_ ? std::optional(cloud_->health()) : std::nullopt;
+  take_rate(now_ns);
   const HealthReport before = health_;
   health_ = monitor_.update(pipeline_.sensor.report.value(), pipeline_.matcher.report.value(),
                             pipeline_.filter.report.value(), surroundings_, now_ns);
   const bool changed = health_.state != before.state || health_.reasons != before.reasons;
   if (changed || now_ns >= next_health_ns_) {
     next_health_ns_ = now_ns + kHealth_ns;
+    if (live_) {
+      live_->take(make_status());
+    }
     static_cast<void>(link_.publish(health_));
   }
   tell_of_link();
   if (health_.state != before.state) {
     log_line(health_.state == HealthState::kOk ? EventPriority::kInfo : EventPriority::kWarning,
              state_sentence(health_));
+  }
+}
+
+void Publisher::take_rate(std::int64_t now_ns) {
+  constexpr std::int64_t kOver_ns = 1'000'000'000;
+  if (now_ns - rate_taken_ns_ >= kOver_ns) {
+    poses_hz_ = std::exchange(poses_counted_, 0) * 1e9 / static_cast<double>(now_ns - rate_taken_ns_);
+    rate_taken_ns_ = now_ns;
   }
 }
 
@@ -203,6 +239,13 @@ HealthReport Publisher::health() const {
   return health_;
 }
 
+DaemonStatus Publisher::status() const {
+  const std::lock_guard lock(mutex_);
+  return make_status();
+}
+
+DaemonStatus Publisher::make_status() const { return {health_, last_pose_, map_.size(), poses_hz_}; }
+
 CpuHistograms Publisher::cpu() const {
   const std::lock_guard lock(mutex_);
   return {pipeline_.sensor.report.value().stage.cpu, pipeline_.matcher.report.value().stage.cpu,
@@ -222,6 +265,18 @@ std::vector<StampedPose> Publisher::online_poses() {
 std::vector<StampedPose> Publisher::final_poses(std::span<const StampedPose> path) {
   const std::lock_guard lock(mutex_);
   return poses_.final(path);
+}
+
+bool Publisher::write_world(bool is_last, std::vector<StampedPose>& trajectory, OccupancyMap& map) {
+  if (!graph_) {
+    return false;
+  }
+  std::vector<StampedPose> odom;
+  {
+    const std::lock_guard lock(mutex_);
+    odom = poses_.odometry();
+  }
+  return graph_->write(odom, is_last, trajectory, map);
 }
 
 std::vector<Point3> Publisher::cloud() {

@@ -9,12 +9,15 @@
 
 #include "core/grid/grid_geometry.hpp"
 #include "firmware/health/health_monitor.hpp"
+#include "firmware/health/status.hpp"
 #include "firmware/lcm/lcm_link.hpp"
 #include "firmware/lcm/log_writer.hpp"
 #include "firmware/pipeline/pipeline.hpp"
 #include "firmware/publisher/cloud_feed.hpp"
+#include "firmware/publisher/graph_feed.hpp"
 #include "firmware/publisher/map_store.hpp"
 #include "firmware/publisher/pose_spool.hpp"
+#include "firmware/web/live_view.hpp"
 #include "rt/clock.hpp"
 
 namespace odoless {
@@ -25,6 +28,7 @@ struct PublisherParams {
   HealthParams health;
   LrfDriver laser = LrfDriver::kLcm;
   std::optional<MappingParams> mapping{};  ///< none: no 3D map
+  bool has_page = false;
 };
 
 /// The ordinary thread behind the real-time ones: takes what they say, publishes and records it, keeps map and poses,
@@ -38,6 +42,14 @@ class Publisher {
             const std::filesystem::path& folder);
 
   [[nodiscard]] LcmLink& link() { return link_; }
+  /// What a page shows; null: there is none.
+  [[nodiscard]] const LiveView* live() const { return live_.get(); }
+
+  /// Before the first round: the pose graph is fed, and what is saved is its own.
+  void attach(const RobotParams& robot, std::uint64_t seed);
+  /// Starts the pose graph's thread, where there is one. @return  0, or an errno.
+  [[nodiscard]] int start_graph() { return graph_ ? graph_->start() : 0; }
+  [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
 
   /// Takes all that waits; to be called every few milliseconds, and once when the other threads have ended.
   void round(std::int64_t now_ns);
@@ -48,12 +60,16 @@ class Publisher {
   void set_health_params(const HealthParams& params);
   /// Any thread: the last report.
   [[nodiscard]] HealthReport health() const;
+  /// Any thread: the same with the last pose and the map's size.
+  [[nodiscard]] DaemonStatus status() const;
   /// Any thread.
   [[nodiscard]] CpuHistograms cpu() const;
   /// Any thread: the map and the poses until now. Waits for the round that is under way.
   [[nodiscard]] OccupancyMap map();
   [[nodiscard]] std::vector<StampedPose> online_poses();
   [[nodiscard]] std::vector<StampedPose> final_poses(std::span<const StampedPose> path);
+  /// Any thread: trajectory and map of the pose graph. @return  False, and nothing written, where there is none.
+  [[nodiscard]] bool write_world(bool is_last, std::vector<StampedPose>& trajectory, OccupancyMap& map);
 
   /// Any thread: the 3D map until now, point by point in the frame `map`; empty where there is none.
   [[nodiscard]] std::vector<Point3> cloud();
@@ -61,7 +77,9 @@ class Publisher {
   [[nodiscard]] std::vector<Point3> final_cloud(std::span<const StampedPose> path);
 
   [[nodiscard]] const LogWriterCounters& recorder_counters() const { return recorder_.counters(); }
-  [[nodiscard]] std::size_t memory_bytes() const { return map_.memory_bytes() + (cloud_ ? cloud_->memory_bytes() : 0); }
+  [[nodiscard]] std::size_t memory_bytes() const {
+    return map_.memory_bytes() + (cloud_ ? cloud_->memory_bytes() : 0) + (live_ ? live_->memory_bytes() : 0);
+  }
 
  private:
   /// @param before  What is in there was sent earlier and goes first: a motion never overtakes its scan, without which
@@ -73,12 +91,15 @@ class Publisher {
   void take_motion(std::span<const std::byte> bytes);
   void take_pose(std::span<const std::byte> bytes);
   void take_tile(std::span<const std::byte> bytes);
+  void take_keyframe(std::span<const std::byte> bytes);
   void watch(std::int64_t now_ns);
   void publish_cloud();
   [[nodiscard]] std::vector<Point3> copy_cloud() const;
   void publish_overview(std::int64_t now_ns);
   void keep_link_open(std::int64_t now_ns);
   void tell_of_link();
+  void take_rate(std::int64_t now_ns);
+  [[nodiscard]] DaemonStatus make_status() const;
 
   static constexpr std::int64_t kHealth_ns = 100'000'000;
   static constexpr std::int64_t kReopen_ns = 2'000'000'000;
@@ -92,6 +113,8 @@ class Publisher {
   HealthReport health_;
   MapStore map_;
   std::unique_ptr<CloudFeed> cloud_;  ///< null: there is none
+  std::unique_ptr<GraphFeed> graph_;  ///< null: there is none
+  std::unique_ptr<LiveView> live_;    ///< null: there is none
   PoseSpool poses_;
   bool wants_link_;
   bool link_refuses_ = false;  ///< messages, and it is told
@@ -100,6 +123,10 @@ class Publisher {
   std::int64_t next_overview_ns_ = 0;
   std::int64_t next_health_ns_ = 0;
   ScanRecord last_scan_;
+  std::optional<PoseRecord> last_pose_;
+  int poses_counted_ = 0;  ///< since the rate was taken
+  std::int64_t rate_taken_ns_ = 0;
+  double poses_hz_ = 0.0;
   std::vector<float> last_ranges_m_;
   bool map_changed_ = false;
 };

@@ -9,12 +9,23 @@ namespace odoless {
 
 /// What the real-time stages tell the outside. All are trivially copyable and of fixed size, so that they can be copied
 /// through a ring without a heap call; those with beams, bytes or cells are followed by them in the ring. What a match
-/// found is told as it is: core/motion/motion.hpp.
+/// found is told as it is: core/motion/motion.hpp; so is a keyframe, followed by a BeamCode per beam:
+/// core/graph/keyframe.hpp.
 ///
 /// Stamps are those of scans: whole microseconds in nanoseconds, on the monotonic clock with its origin moved once, at
 /// start, to the Unix epoch. LCM's utime is stamp_ns / 1000.
 
-enum class RecordType : std::uint32_t { kScan = 1, kRawBytes, kMotion, kPose, kMapTile, kEvent, kTilt, kPath };
+enum class RecordType : std::uint32_t {
+  kScan = 1,
+  kRawBytes,
+  kMotion,
+  kPose,
+  kMapTile,
+  kEvent,
+  kTilt,
+  kPath,
+  kKeyframe
+};
 
 /// A scan as the device gave it. Followed by `beams` floats: range in metres; infinity: no return; 0: nothing is known.
 struct ScanRecord {
@@ -42,6 +53,7 @@ struct PoseRecord {
   std::int64_t stamp_ns = 0;
   Pose2 map_T_scan{};
   Pose2 map_T_odom{};
+  Pose2 odom_T_scan{};
   std::array<double, 9> covariance{};  ///< of map_T_scan over (x_m, y_m, yaw_rad), map axes
   std::int64_t update_stamp_ns = 0;    ///< of the filter update that the pose hangs on
   Pose2 update_T_scan{};

@@ -1,22 +1,14 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 
 #include "core/base/result.hpp"
 #include "drivers/io/file_descriptor.hpp"
+#include "firmware/sources/line_handover.hpp"
 #include "rt/wake_up.hpp"
 
 namespace odoless {
-
-/// Carries a device's line between the supervisor, which may open and close it, and the sensor thread, which may read
-/// and write it. -1: nothing there.
-struct LineHandover {
-  std::atomic<int> offered{-1};
-  std::atomic<int> returned{-1};
-  std::atomic<bool> in_use{false};  ///< set by who offers, cleared by who returns
-};
 
 /// Opens a device's line for the sensor thread, again and again with growing pauses, and closes what it gives back.
 ///

@@ -56,7 +56,7 @@ void LrfSource::attach(GpioSignals& signals, std::optional<std::int64_t> sync_de
 std::int64_t LrfSource::next_deadline_ns() const { return is_open() ? session_->next_deadline_ns() : kNever_ns; }
 
 void LrfSource::take_line(std::int64_t now_ns) {
-  descriptor_ = line_.offered.exchange(-1, std::memory_order_acq_rel);
+  descriptor_ = line_.take();
   if (is_open()) {
     ++opened_;
     baud_ = params_.baud;
@@ -68,8 +68,7 @@ void LrfSource::take_line(std::int64_t now_ns) {
 }
 
 void LrfSource::return_line() {
-  line_.returned.store(descriptor_, std::memory_order_release);
-  line_.in_use.store(false, std::memory_order_release);
+  line_.give_back(descriptor_);
   descriptor_ = -1;
 }
 

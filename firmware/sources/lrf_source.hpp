@@ -11,7 +11,7 @@
 #include "drivers/lrf/lrf_session.hpp"
 #include "drivers/lrf/sync_clock.hpp"
 #include "firmware/gpio/gpio_signals.hpp"
-#include "firmware/sources/line_keeper.hpp"
+#include "firmware/sources/line_handover.hpp"
 #include "firmware/stages/scan_source.hpp"
 
 namespace odoless {

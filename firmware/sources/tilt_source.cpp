@@ -28,7 +28,7 @@ std::int64_t TiltSource::next_deadline_ns() const {
 }
 
 void TiltSource::take_line(std::int64_t now_ns) {
-  descriptor_ = line_.offered.exchange(-1, std::memory_order_acq_rel);
+  descriptor_ = line_.take();
   if (is_open()) {
     is_link_down_ = false;
     session_->reset(now_ns);
@@ -36,8 +36,7 @@ void TiltSource::take_line(std::int64_t now_ns) {
 }
 
 void TiltSource::return_line() {
-  line_.returned.store(descriptor_, std::memory_order_release);
-  line_.in_use.store(false, std::memory_order_release);
+  line_.give_back(descriptor_);
   descriptor_ = -1;
   has_angle_ = false;
 }

@@ -11,7 +11,7 @@
 #include "drivers/tilt/tilt_line.hpp"
 #include "firmware/gpio/gpio_signals.hpp"
 #include "firmware/pipeline/messages.hpp"
-#include "firmware/sources/line_keeper.hpp"
+#include "firmware/sources/line_handover.hpp"
 #include "firmware/stages/scan_source.hpp"
 
 namespace odoless {

@@ -22,6 +22,22 @@ void enter(const Motion& motion, MatcherReport& report) {
   report.deadline_hit = motion.has(kDeadlineHit);
 }
 
+PoseRecord pose_record_of(const FilterStep& step, const PoseEstimate& estimate, FilterStage& stage,
+                          std::int64_t stamp_ns) {
+  PoseRecord record;
+  record.stamp_ns = stamp_ns;
+  record.map_T_scan = step.map_T_scan;
+  record.map_T_odom = step.map_T_odom;
+  Eigen::Map<Eigen::Matrix3d>(record.covariance.data()) = estimate.covariance;  // symmetric
+  record.update_stamp_ns = step.update_stamp_ns;
+  record.update_T_scan = step.update_T_scan;
+  record.effective_particles = stage.filter().effective_particles();
+  record.log_likelihood_per_beam = step.report.log_likelihood_per_beam;
+  record.particles = stage.filter().particles();
+  record.updated = step.updated ? 1 : 0;
+  return record;
+}
+
 void enter(const FilterStep& step, const PoseEstimate& estimate, FilterStage& stage, FilterReport& report) {
   report.position_sd_m = std::sqrt(estimate.covariance(0, 0) + estimate.covariance(1, 1));
   report.yaw_sd_rad = std::sqrt(estimate.covariance(2, 2));

@@ -50,6 +50,7 @@ void FilterLoop::process(const MotionMessage& message) {
   const FilterStep step = message.slot == kNoSlot ? stage_.process(message.motion)
                                                   : stage_.process(pipeline_.pool.at(message.slot), message.motion,
                                                                    pipeline_.lossless ? Deadline{} : deadline.view());
+  tell_keyframe(message, step);
   if (message.slot != kNoSlot) {
     const bool pushed = pipeline_.slots_from_filter.try_push(message.slot);
     ODOLESS_CHECK(pushed);  // there is room for every slot
@@ -62,6 +63,12 @@ void FilterLoop::process(const MotionMessage& message) {
   }
   report();
   pipeline_.filter.heartbeat.fetch_add(1, std::memory_order_relaxed);
+}
+
+void FilterLoop::tell_keyframe(const MotionMessage& message, const FilterStep& step) {
+  if (keyframes_ && keyframes_->add(message.motion) && message.slot != kNoSlot && !stage_.paused()) {
+    keyframes_->send(pipeline_, pipeline_.pool.at(message.slot), step.map_T_odom, map_number_);
+  }
 }
 
 void FilterLoop::obey(const FilterCommand& command) {
@@ -98,17 +105,8 @@ void FilterLoop::adapt(std::int64_t used_ns, std::int64_t time_ns) {
 
 void FilterLoop::publish(const FilterStep& step, const Motion& motion) {
   const PoseEstimate estimate = stage_.filter().estimate();
-  PoseRecord record;
-  record.stamp_ns = motion.to_stamp_ns;
-  record.map_T_scan = step.map_T_scan;
-  record.map_T_odom = step.map_T_odom;
-  Eigen::Map<Eigen::Matrix3d>(record.covariance.data()) = estimate.covariance;  // symmetric
-  record.update_stamp_ns = step.update_stamp_ns;
-  record.update_T_scan = step.update_T_scan;
-  record.effective_particles = stage_.filter().effective_particles();
-  record.log_likelihood_per_beam = step.report.log_likelihood_per_beam;
-  record.particles = stage_.filter().particles();
-  record.updated = step.updated ? 1 : 0;
+  PoseRecord record = pose_record_of(step, estimate, stage_, motion.to_stamp_ns);
+  record.odom_T_scan = motion.odom_T_current;
   record.map_number = map_number_;
   send(pipeline_, pipeline_.filter.outbox, RecordType::kPose, record);
   tiles_.send(pipeline_.filter.outbox, step, record.stamp_ns, motion.to_stamp_ns - motion.from_stamp_ns);

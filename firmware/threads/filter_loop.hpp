@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "firmware/pipeline/pipeline.hpp"
 #include "firmware/pipeline/pipeline_params.hpp"
 #include "firmware/stages/filter_stage.hpp"
+#include "firmware/threads/keyframe_sender.hpp"
 #include "firmware/threads/path_sender.hpp"
 #include "firmware/threads/round.hpp"
 #include "firmware/threads/tile_sweep.hpp"
@@ -25,11 +27,14 @@ class FilterLoop {
   /// @param before  Set when no motion will come any more: by the matcher, or by the sensor thread where it receives.
   void run(const std::atomic<bool>& before);
 
+  /// Before `run`: keyframes are told too.
+  void tell_keyframes(const GraphParams& params) { keyframes_.emplace(params); }
   /// Before `run`: the trajectory is told too.
   void tell_path() { tells_path_ = true; }
 
  private:
   void process(const MotionMessage& message);
+  void tell_keyframe(const MotionMessage& message, const FilterStep& step);
   void obey(const FilterCommand& command);
   void publish(const FilterStep& step, const Motion& motion);
   /// CPU time until an update after this match is cut short.
@@ -44,6 +49,7 @@ class FilterLoop {
   double particles_;  ///< as many as the budget allows
   TileSweep tiles_;
   PathSender path_;
+  std::optional<KeyframeSender> keyframes_;
   bool tells_path_ = false;
   std::int32_t map_number_ = 0;
   FilterReport report_;

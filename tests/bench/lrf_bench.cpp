@@ -85,5 +85,15 @@ void BM_LdrobotQuickStream(benchmark::State& state) {
 }
 BENCHMARK(BM_LdrobotQuickStream)->Unit(benchmark::kMicrosecond);
 
+// 20000 points a second, as 1800 beams.
+void BM_YdlidarQuickStream(benchmark::State& state) {
+  LrfParams params;
+  params.driver = LrfDriver::kYdlidar;
+  params.ydlidar_beams = 1800;
+  params.ydlidar_ranging = LrfRanging::kTimeOfFlight;
+  stream_for_a_while(state, "ydlidar-tg30", params);
+}
+BENCHMARK(BM_YdlidarQuickStream)->Unit(benchmark::kMicrosecond);
+
 }  // namespace
 }  // namespace odoless

@@ -91,7 +91,7 @@ class DaemonTest(DaemonCase):
         keep_promise(self, 2.0, time_to_have_it_back)
 
     def test_refuses_an_address_that_makes_no_sense(self):
-        outcome = run("odolessd", "--config", self.write_config("name.toml", device="tcp://laser:10940"))
+        outcome = run("odolessd", "--config", self.write_config("name.toml", device="tcp://laser"))
         self.assertEqual(outcome.returncode, EX_CONFIG)
         self.assertIn("lrf.device", outcome.stderr)
 
@@ -135,6 +135,11 @@ class DaemonTest(DaemonCase):
         daemon = self.start_daemon()
         self.wait_until_ok()
         self.assertRegex(self.answer("status"), r"pose right within 0.5 m and 5 deg: (9\d|100)\.\d %")
+        self.wait_until(lambda: json.loads(self.answer("status json"))["rates"]["poses_hz"] > 5.0, 5)
+        status = json.loads(self.ctl("status", "--json").stdout)
+        self.assertEqual(status["state"], "OK")
+        self.assertGreater(status["map"]["width_m"], 1.0)
+        self.assertLess(abs(status["pose"]["stamp_s"] - time.time()), 1.0)
         self.assertEqual(self.ctl("pause").stdout, "ok\n")
         self.wait_until(lambda: "paused" in self.state(), 2)
         self.assertEqual(self.ctl("resume").stdout, "ok\n")
@@ -148,6 +153,29 @@ class DaemonTest(DaemonCase):
         self.assertEqual(self.ctl("stop").stdout, "ok\n")
         self.assertEqual(daemon.wait(timeout=10), 0)
         self.assertEqual(self.ctl("status").returncode, EX_UNAVAILABLE)
+
+    def test_watches_the_status(self):
+        self.start_laser()
+        self.start_daemon()
+        self.wait_until_ok()
+        watcher = self.start("odoless", "ctl", "--socket", self.path("control"), "status", "--watch", "--json", stdout=subprocess.PIPE)
+        stamps_s = [json.loads(watcher.stdout.readline())["pose"]["stamp_s"] for _ in range(3)]
+        self.assertGreater(stamps_s[2] - stamps_s[0], 1.5)
+        self.assertEqual(self.ctl("stop").stdout, "ok\n")
+        self.assertEqual(watcher.wait(timeout=5), EX_UNAVAILABLE)
+
+    def test_tells_a_beginner_how_to_go_on(self):
+        for arguments, last, words in (((), "odoless emulate lrf", ("--config", "Hokuyo laser on /dev/ttyACM0", "odoless probe")),
+                                       (("--config", self.config), "lrf.device", (self.path("laser"), "odoless probe"))):
+            daemon = self.start("odolessd", *arguments)
+            said = ""
+            while last not in said:
+                line = daemon.stderr.readline()
+                self.assertNotEqual(line, "", said)
+                said += line
+            for word in words:
+                self.assertIn(word, said)
+            daemon.kill()
 
     def test_refuses_a_laser_that_another_daemon_reads(self):
         self.start_laser()
@@ -320,7 +348,7 @@ class DaemonTest(DaemonCase):
             self.assertIn(said, outcome.stderr)
         self.assertEqual(run("odolessd", "--config", self.config, "--check").returncode, 0)
         self.assertEqual(run("odolessd", "--stages", "matcher").returncode, EX_USAGE)
-        for robot_file in ("robot.toml", "robot-ld19.toml"):
+        for robot_file in ("robot.toml", "robot-ld19.toml", "robot-ydlidar-x4.toml"):
             self.assertEqual(run("odolessd", "--config", os.path.join(SOURCES, "config", robot_file), "--check").returncode, 0)
 
     def test_locks_about_as_much_memory_as_it_says_before(self):

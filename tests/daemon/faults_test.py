@@ -18,6 +18,8 @@ from support import DaemonCase, WORLD, program, run
 from host_watch import keep_promise  # found by support
 
 EX_USAGE, EX_DATAERR, EX_UNAVAILABLE, EX_SOFTWARE, EX_OSERR, EX_CANTCREAT = 64, 65, 69, 70, 71, 73
+EX_NOPERM, EX_CONFIG = 77, 78
+PR_CAPBSET_DROP, CAP_SYS_NICE = 24, 23
 PTRACE_SEIZE, PTRACE_INTERRUPT, WALL = 0x4206, 0x4207, 0x40000000
 AS, NOFILE, FSIZE, NPROC = resource.RLIMIT_AS, resource.RLIMIT_NOFILE, resource.RLIMIT_FSIZE, resource.RLIMIT_NPROC
 NOBODY = 65534
@@ -29,6 +31,12 @@ def limited(*limits):
         for kind, number in limits:
             resource.setrlimit(kind, (number, number))
     return set_limits
+
+
+def without_real_time():
+    """For a process that is to begin without the right to it, also as root."""
+    ctypes.CDLL(None).prctl(PR_CAPBSET_DROP, CAP_SYS_NICE, 0, 0, 0)
+    resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
 
 
 class FaultsTest(DaemonCase):
@@ -148,6 +156,27 @@ class FaultsTest(DaemonCase):
         daemon = self.start_limited(as_somebody_without_threads)
         self.assertEqual(daemon.wait(timeout=10), EX_OSERR)
         self.assertIn("threads can be made", daemon.stderr.read())
+
+    def test_is_not_ok_where_real_time_is_refused(self):
+        self.start_laser()
+        self.start_limited(without_real_time)
+        self.wait_until(lambda: self.state() == "DEGRADED: real-time scheduling or locked memory is refused", 20)
+
+    def test_ends_where_real_time_is_required_and_refused(self):
+        self.start_laser()
+        daemon = self.start_limited(without_real_time, "--require-realtime")
+        self.expect_refused(daemon, EX_NOPERM, "real-time scheduling is refused", "--require-realtime")
+
+    def test_ends_where_real_time_is_required_and_a_stage_has_no_priority(self):
+        zeros = "".join(f"{stage}_priority = 0\n" for stage in ("sensor", "matcher", "filter"))
+        for pipeline, stage in ((zeros, "sensor"), ("filter_priority = 0\n", "filter")):
+            self.config = self.write_config("ordinary.toml", f"[pipeline]\n{pipeline}")
+            for more in ((), ("--check",)):
+                daemon = self.start_limited(None, "--require-realtime", *more)
+                self.expect_refused(daemon, EX_CONFIG, f"pipeline.{stage}_priority is 0", "--require-realtime")
+        self.config = self.write_config("half.toml", "[pipeline]\nfilter_priority = 0\n")
+        outcome = run("odolessd", "--config", self.config, "--check", "--require-realtime", "--stages", "sensor,matcher")
+        self.assertEqual(outcome.returncode, 0, outcome.stderr)
 
     def test_says_that_a_folder_cannot_be_written_to(self):
         self.expect_refused(self.start_limited(None, "--out", "/proc/self"), EX_CANTCREAT, "/proc/self", "--out")

@@ -23,6 +23,7 @@ std::string refusal_of(std::string_view line) {
 
 TEST(ControlCommand, ReadsEachCommand) {
   for (const auto& [line, kind] : {std::pair{"status", Kind::kStatus},
+                                   {"status json", Kind::kStatusJson},
                                    {"save", Kind::kSave},
                                    {"reset", Kind::kReset},
                                    {"pause", Kind::kPause},
@@ -57,7 +58,7 @@ TEST(ControlCommand, RefusesAPoseThatCannotBe) {
 
 TEST(ControlCommand, RefusesWhatIsNoneAndSaysWhatThereIs) {
   for (const char* const line : {"", "dance", "statusx", "STATUS", "pose1 2 3"}) {
-    EXPECT_THAT(refusal_of(line), HasSubstr("is no command; there are status, save, reset, pose")) << line;
+    EXPECT_THAT(refusal_of(line), HasSubstr("is no command; there are status [json], save, reset, pose")) << line;
   }
   EXPECT_THAT(refusal_of("tilt up"), HasSubstr("level, sweep, stop"));
   EXPECT_THAT(refusal_of("reset now"), HasSubstr("no argument"));

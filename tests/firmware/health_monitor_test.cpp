@@ -120,11 +120,15 @@ TEST_F(HealthMonitorTest, AStageThatIsSilentIsAFault) {
 }
 
 TEST_F(HealthMonitorTest, WhatDoesNotTouchThePoseLeavesItOk) {
-  surroundings_.standing_reasons = kReasonNotRealTime;
   surroundings_.storage_error = 28;
   filter_.paused = true;
   surroundings_.cloud = CloudHealth{.refused = 1};
-  expect(HealthState::kOk, kReasonNotRealTime | kReasonStorage | kReasonPaused | kReasonCloudFull);
+  expect(HealthState::kOk, kReasonStorage | kReasonPaused | kReasonCloudFull);
+}
+
+TEST_F(HealthMonitorTest, PosesThatMayComeLateAreToBeUsedWithCare) {
+  surroundings_.standing_reasons = kReasonNotRealTime;
+  expect(HealthState::kDegraded, kReasonNotRealTime);
 }
 
 /// A count, and the reason that it gives when it grows.

@@ -42,7 +42,7 @@ TEST(LcmTypes, OfOurOwnStayAsTheyAre) {
   EXPECT_EQ(fingerprint<motion_t>(), 0x2f1a1ea764ccd9dcU);
   EXPECT_EQ(fingerprint<pose_estimate_t>(), 0xf340b4c06f2bb4a3U);
   EXPECT_EQ(fingerprint<map_tile_t>(), 0x666fae7f76fce32dU);
-  EXPECT_EQ(fingerprint<health_t>(), 0xb439acb99d4aeab9U);
+  EXPECT_EQ(fingerprint<health_t>(), 0x4c10d772a2532e6aU);
 }
 
 TEST(LcmTypes, NameHealthAsTheRecordsDo) {

@@ -74,14 +74,13 @@ std::vector<std::string> said_of(int descriptor, const std::string& address) {
   LrfParams params;
   params.device = address;
   LineHandover line;
-  line.in_use = true;
-  line.offered = descriptor;
+  line.offer(descriptor);
   LrfSource source(params, 2048, line);
   LogSink sink;
   pollfd ready{.fd = descriptor, .events = POLLIN, .revents = 0};
   EXPECT_EQ(::poll(&ready, 1, 2000), 1);
   source.work(ManualClock(1'000'000'000), sink);
-  EXPECT_EQ(line.returned.load(), descriptor);
+  EXPECT_EQ(line.take_back(), descriptor);
   return sink.log;
 }
 

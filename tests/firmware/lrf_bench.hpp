@@ -171,7 +171,7 @@ class Bench {
       : device_(device), source_(params, beams_max, line_) {
     open();
   }
-  ~Bench() { const FileDescriptor returned(line_.returned.exchange(-1)); }
+  ~Bench() { const FileDescriptor returned(line_.take_back()); }
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
 
@@ -218,11 +218,10 @@ class Bench {
     std::array<int, 2> ends{};
     ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends.data()), 0);
     far_end_ = FileDescriptor(ends[1]);
-    line_.in_use = true;
-    line_.offered = ends[0];
+    line_.offer(ends[0]);
   }
   void keep_open() {
-    const FileDescriptor returned(line_.returned.exchange(-1));
+    const FileDescriptor returned(line_.take_back());
     if (returned.valid()) {
       ++reopened;
       open();

@@ -83,7 +83,8 @@ TEST(LrfSource, OpensADeadLineAnewEveryTwoSecondsAndTellsOfItOnceAnOutage) {
 }
 
 TEST(LrfSource, OpensALineAnewThatOnlyBabbles) {
-  for (const LrfDriver driver : {LrfDriver::kScip, LrfDriver::kSick, LrfDriver::kRplidar, LrfDriver::kLdrobot}) {
+  for (const LrfDriver driver :
+       {LrfDriver::kScip, LrfDriver::kSick, LrfDriver::kRplidar, LrfDriver::kLdrobot, LrfDriver::kYdlidar}) {
     SCOPED_TRACE(static_cast<int>(driver));
     BabblingDevice noise;
     LrfParams params = sick_params();
@@ -97,7 +98,8 @@ TEST(LrfSource, OpensALineAnewThatOnlyBabbles) {
 }
 
 TEST(LrfSource, OpensADeadLineAnewInAboutTwoSecondsWhateverTheLaser) {
-  for (const LrfDriver driver : {LrfDriver::kScip, LrfDriver::kSick, LrfDriver::kRplidar, LrfDriver::kLdrobot}) {
+  for (const LrfDriver driver :
+       {LrfDriver::kScip, LrfDriver::kSick, LrfDriver::kRplidar, LrfDriver::kLdrobot, LrfDriver::kYdlidar}) {
     SCOPED_TRACE(static_cast<int>(driver));
     DeadDevice dead;
     LrfParams params = sick_params();

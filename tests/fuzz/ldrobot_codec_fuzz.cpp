@@ -66,7 +66,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ODOLESS_CHECK(stream.configure({}, 230400) == odoless::Errc::kOk);
   std::int64_t now_ns = 1'000'000'000;
   odoless::test::feed(all, step, [&](std::span<const std::byte>& piece) {
-    const ldrobot::ScanStream::Found found = stream.take(piece, now_ns += 1'000'000);
+    const odoless::FoundScan found = stream.take(piece, now_ns += 1'000'000);
     if (found.scan) {
       ODOLESS_CHECK(found.scan->ranges_m.size() == 450);
       for (const float range_m : found.scan->ranges_m) {

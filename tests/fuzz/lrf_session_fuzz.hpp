@@ -62,7 +62,7 @@ inline void fuzz_session(const std::string& model, const LrfParams& params, std:
     session->receive(std::as_bytes(std::span(bytes.data(), bytes.size())), now_ns, contract);
   };
   session->reset(now_ns);
-  for (int step = 0; step < 60 || (!rest.empty() && step < 2000); ++step) {
+  for (int step = 0; step < 100 || (!rest.empty() && step < 2000); ++step) {
     const std::int64_t next_ns = std::min(session->next_deadline_ns(), device->next_event_ns());
     now_ns = std::clamp(next_ns, now_ns + 10 * kMs, now_ns + 100 * kMs);
     device->set_line_baud(session->line_baud());

@@ -114,7 +114,8 @@ class OperationTest(unittest.TestCase):
         self.assertEqual(sorted(os.path.relpath(path, self.installed("")) for path in files),
                          ["bin/odoless", "bin/odolessd", "lib/sysctl.d/60-odoless.conf",
                           "lib/systemd/system/odolessd.service", "lib/sysusers.d/odoless.conf",
-                          "lib/udev/rules.d/60-odoless.rules", "share/odoless/robot-ld19.toml", "share/odoless/robot.toml"])
+                          "lib/udev/rules.d/60-odoless.rules", "share/odoless/robot-ld19.toml", "share/odoless/robot-ydlidar-x4.toml",
+                           "share/odoless/robot.toml"])
 
 
 if __name__ == "__main__":

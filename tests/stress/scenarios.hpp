@@ -22,11 +22,10 @@ using Payload = std::array<std::uint64_t, 4>;
 inline Payload payload_of(std::uint64_t number) { return {number, ~number, number * 3, number ^ 0x5555}; }
 
 /// The scan ring: tokens of slots go to the consumer, which gives them back; the newest win.
-template <class Orders>
-void pass_slots(std::uint64_t rounds) {
+inline void pass_slots(std::uint64_t rounds) {
   constexpr std::uint32_t kSlots = 6;
   std::array<Payload, kSlots> slots{};
-  EvictingQueue<std::uint32_t, Orders> filled(kSlots - 2);
+  EvictingQueue<std::uint32_t> filled(kSlots - 2);
   RejectingQueue<std::uint32_t> returned(kSlots);
   std::atomic<bool> done = false;
   std::uint64_t evicted = 0;
@@ -78,9 +77,8 @@ void pass_slots(std::uint64_t rounds) {
   require(received + evicted == rounds && filled.evicted() == evicted, "a scan is neither seen nor counted");
 }
 
-template <class Orders>
-void show_latest(std::uint64_t rounds) {
-  LatestValue<Payload, Orders> latest(payload_of(0));
+inline void show_latest(std::uint64_t rounds) {
+  LatestValue<Payload> latest(payload_of(0));
   run_both(
       [&] {
         Chance chance(3);
@@ -103,9 +101,8 @@ void show_latest(std::uint64_t rounds) {
       });
 }
 
-template <class Orders>
-void pass_records(std::uint64_t rounds) {
-  BasicRecordRing<Orders> ring(512);
+inline void pass_records(std::uint64_t rounds) {
+  RecordRing ring(512);
   run_both(
       [&] {
         Chance chance(5);
@@ -154,6 +151,17 @@ inline void pass_values(std::uint64_t rounds) {
         }
       });
   require(queue.rejected() == refused, "a refusal is not counted");
+}
+
+/// Two threads on plain memory, which ThreadSanitizer has to see however the system runs them.
+inline void race(std::uint64_t rounds) {
+  volatile std::uint64_t shared = 0;
+  const auto count = [&] {
+    for (std::uint64_t i = 0; i < rounds; ++i) {
+      shared = shared + 1;
+    }
+  };
+  run_both(count, count);
 }
 
 }  // namespace odoless::stress

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "tests/support/temporary_file.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/log_info.hpp"
 #include "tools/log/plausibility.hpp"
@@ -34,11 +35,11 @@ inline std::string broken_promise(const ScanLog& log) {
   return "";
 }
 
-/// Reads whatever bytes these are: true for a log, false for a DataError; anything else is let through.
-inline bool read_any_bytes(std::string_view bytes, std::string& broken) {
+/// Reads a log: true for one, false for a DataError; anything else is let through.
+template <class Read>
+bool reads(const Read& read, std::string& broken) {
   try {
-    LineReader lines(view_bytes(bytes, "bytes"), "bytes");
-    const ScanLog log = read_scan_log(lines);
+    const ScanLog log = read();
     broken = broken_promise(log);
     ScanLog plausible = log;
     if (make_plausible(plausible).is_plausible() && broken.empty()) {
@@ -49,6 +50,27 @@ inline bool read_any_bytes(std::string_view bytes, std::string& broken) {
   } catch (const DataError&) {
     return false;
   }
+}
+
+/// Reads whatever text these bytes are.
+inline bool read_any_bytes(std::string_view bytes, std::string& broken) {
+  return reads(
+      [bytes] {
+        LineReader lines(view_bytes(bytes, "bytes"), "bytes");
+        return read_scan_log(lines);
+      },
+      broken);
+}
+
+/// Reads whatever file these bytes are, as commands do.
+inline bool read_any_file(std::string_view bytes, std::string& broken) {
+  const TemporaryFile file(bytes);
+  return reads(
+      [&file] {
+        static_cast<void>(read_topics(file.path()));
+        return read_scan_log(file.path());
+      },
+      broken);
 }
 
 }  // namespace odoless::test

@@ -1,8 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
+#include "drivers/io/file_descriptor.hpp"
 #include "tests/support/run_command.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tools/output/matches.hpp"
@@ -47,6 +52,46 @@ TEST(Command, RefusesWrongUsage) {
     EXPECT_EQ(run_command_line(static_cast<int>(argv.size()), argv.data()), 64);
     EXPECT_NE(testing::internal::GetCapturedStderr(), "");
   }
+}
+
+TEST(Command, NamesTheCommandThatAMisspelledOneMeant) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> meant{
+      {{"relpay", "a.log"}, "'relpay' is no command; did you mean replay?"},
+      {{"infos"}, "did you mean info?"},
+      {{"emulate", "lfr"}, "'lfr' is no command; did you mean lrf?"},
+      {{"config", "refrence"}, "did you mean reference?"},
+      {{"dance"}, "'dance' is no command; there are replay, match, cloud, "}};
+  for (const auto& [arguments, said] : meant) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 64) << said;
+    EXPECT_THAT(outcome.err, HasSubstr(said));
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST(Command, CtlWatchesAndGivesJsonOfTheStatusAlone) {
+  for (const char* const option : {"--json", "--watch"}) {
+    const Outcome outcome = run({"ctl", "--socket", "/nowhere", option, "save"});
+    EXPECT_EQ(outcome.status, 64);
+    EXPECT_THAT(outcome.err, HasSubstr("go with the command status alone"));
+  }
+}
+
+TEST(Command, CtlSaysWhoseSocketItIsThatAUserMayNotUse) {
+  if (::geteuid() == 0) {
+    GTEST_SKIP() << "root may use any";
+  }
+  const test::TemporaryFolder folder;
+  const std::string path = (folder.path() / "control").string();
+  const FileDescriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+  ASSERT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+  ASSERT_EQ(::chmod(path.c_str(), 0060), 0);
+  const Outcome outcome = run({"ctl", "--socket", path, "status"});
+  EXPECT_EQ(outcome.status, 69);
+  EXPECT_THAT(outcome.err, HasSubstr("it belongs to the group "));
 }
 
 // A script whose variable is empty does not mean what is built in.

@@ -115,12 +115,15 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
   express.rplidar_scan = RplidarScan::kExpress;
   LrfParams ldrobot;
   ldrobot.driver = LrfDriver::kLdrobot;
+  LrfParams ydlidar;
+  ydlidar.driver = LrfDriver::kYdlidar;
   for (const auto& [model, params, ahead] :
        std::vector<std::tuple<std::string, LrfParams, std::size_t>>{{"lms291", sick, 180},
                                                                     {"lms200", slow_sick, 180},
                                                                     {"rplidar-a1", rplidar, 0},
                                                                     {"rplidar-a2", express, 0},
-                                                                    {"ld06", ldrobot, 0}}) {
+                                                                    {"ld06", ldrobot, 0},
+                                                                    {"ydlidar-x4", ydlidar, 0}}) {
     SCOPED_TRACE(model);
     const test::TemporaryFolder folder;
     const std::string pty = folder.path() / "laser";
@@ -135,7 +138,15 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
     ASSERT_GE(heard.scans.size(), 8U);
     EXPECT_EQ(session->line_baud(), serial_baud(port.get()));
     EXPECT_EQ(session->counters().rejected, 0U);
-    EXPECT_NEAR(heard.scans.back().ranges_m[ahead], 7.0, 0.02);
+    // Where a reader is too late, bytes of a laser that sends all the time are lost, as on a real line.
+    std::size_t seen = 0;
+    for (const test::HeardScan& scan : heard.scans) {
+      if (scan.ranges_m[ahead] != 0.0F) {
+        EXPECT_NEAR(scan.ranges_m[ahead], 7.0, 0.02);
+        ++seen;
+      }
+    }
+    EXPECT_GE(seen + 1, heard.scans.size());
     std::vector<double> since_ns;  // the scan before
     for (std::size_t i = 1; i < heard.scans.size(); ++i) {
       since_ns.push_back(static_cast<double>(heard.scans[i].stamp_ns - heard.scans[i - 1].stamp_ns));
@@ -146,8 +157,9 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
 }
 
 TEST(Probe, FindsOutWhichProtocolALaserSpeaks) {
-  for (const auto& [model, driver] : {std::pair("urg-04lx", "scip"), std::pair("lms200", "sick"),
-                                      std::pair("rplidar-a1", "rplidar"), std::pair("ld19", "ldrobot")}) {
+  for (const auto& [model, driver] :
+       {std::pair("urg-04lx", "scip"), std::pair("lms200", "sick"), std::pair("rplidar-a1", "rplidar"),
+        std::pair("ld19", "ldrobot"), std::pair("ydlidar-x2", "ydlidar"), std::pair("ydlidar-x4", "ydlidar")}) {
     SCOPED_TRACE(model);
     const test::TemporaryFolder folder;
     const std::string pty = folder.path() / "laser";

@@ -114,7 +114,8 @@ INSTANTIATE_TEST_SUITE_P(Lasers, HostileClientOfLaser,
                                            Hostile{"lms291", sick_request, "\x02\x00\x01\x00\x31\x15\x12", 7},
                                            Hostile{"lms291-quarter", sick_request, "\x02\x00\x01\x00\x31\x15\x12", 7},
                                            Hostile{"rplidar-a2", rplidar_request, "\xA5\x50", 2},
-                                           Hostile{"rplidar-a1-1.16", rplidar_request, "\xA5\x50", 2}),
+                                           Hostile{"rplidar-a1-1.16", rplidar_request, "\xA5\x50", 2},
+                                           Hostile{"ydlidar-x4", rplidar_request, "\xA5\x90", 2}),
                          [](const auto& tested) {
                            std::string name = tested.param.model;
                            std::replace_if(

@@ -67,6 +67,33 @@ TEST(ScipSession, BringsEveryModelUpAndHearsItsScans) {
   }
 }
 
+// What a line takes for each byte can be told from the device's clock alone, which is asked for its time.
+TEST(ScipSession, TakesTheDelayOfTheLineOffTheStamps) {
+  for (const char* const model : {"utm-30lx", "urg-04lx"}) {
+    for (const std::int64_t delay_ns : {0 * kMs, 2 * kMs, 8 * kMs}) {
+      SCOPED_TRACE(std::string(model) + ", ms: " + std::to_string(delay_ns / kMs));
+      Bench bench{model};
+      bench.line_delay_ns = delay_ns;
+      bench.reset();
+      bench.run(3 * kSecond);
+      EXPECT_GT(bench.heard().scans.size(), 20U);
+      expect_scans_true(bench, 2 * kMs);
+    }
+  }
+}
+
+TEST(ScipSession, StreamsOfADeviceThatDoesNotTellItsTime) {
+  for (const char* const answer : {"", "TM\n0Ee\n\n", "TM1\n00P\n\n", "TM1\n00P\n0000Z\n\n"}) {
+    Bench bench;
+    bench.on_the_way = [&](std::string& bytes) { bytes = bytes.starts_with("TM") ? answer : bytes; };
+    bench.reset();
+    bench.run(3 * kSecond);
+    EXPECT_TRUE(bench.session().ready());
+    EXPECT_EQ(bench.heard().count(LrfEventType::kUnanswered), 0);
+    expect_scans_true(bench, 2 * kMs);
+  }
+}
+
 TEST(ScipSession, HearsALogAtItsRecordedPace) {
   constexpr int kScans = 40;
   ScanLog log;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -108,21 +109,40 @@ class Bench {
   /// Changes what is on its way to the session.
   std::function<void(std::string&)> on_the_way = [](std::string&) {};
   bool host_asleep = false;
+  std::int64_t line_delay_ns = 0;  ///< of each way
 
  private:
+  struct OnTheWay {
+    std::int64_t due_ns = 0;
+    std::string bytes;
+  };
+  /// Puts bytes onto one way of the line, and takes off what has come through.
+  [[nodiscard]] std::string carried(std::deque<OnTheWay>& way, std::string bytes) const {
+    if (!bytes.empty()) {
+      way.push_back({now_ns_ + line_delay_ns, std::move(bytes)});
+    }
+    std::string arrived;
+    for (; !way.empty() && way.front().due_ns <= now_ns_; way.pop_front()) {
+      arrived += way.front().bytes;
+    }
+    return arrived;
+  }
+
   void step() {
     const auto request = session_->transmit();
     written_.append(reinterpret_cast<const char*>(request.data()), request.size());
     device_->set_line_baud(has_rate_ ? session_->line_baud() : 0);
-    device_->receive({reinterpret_cast<const char*>(request.data()), request.size()}, now_ns_);
+    device_->receive(carried(to_device_, {reinterpret_cast<const char*>(request.data()), request.size()}), now_ns_);
     device_->tick(now_ns_);
+    std::string sent;
     for (SentBytes& bytes : device_->take_output()) {
       if (bytes.scan) {
         sent_.push_back(*bytes.scan);
       }
       on_the_way(bytes.bytes);
-      waiting_ += bytes.bytes;
+      sent += bytes.bytes;
     }
+    waiting_ += carried(to_session_, std::move(sent));
     if (!host_asleep) {
       const std::string bytes = std::exchange(waiting_, {});
       session_->receive(std::as_bytes(std::span(bytes.data(), bytes.size())), now_ns_, heard_);
@@ -140,6 +160,8 @@ class Bench {
   std::vector<SentScan> sent_;
   std::string written_;
   std::string waiting_;
+  std::deque<OnTheWay> to_device_;
+  std::deque<OnTheWay> to_session_;
 };
 
 }  // namespace odoless::test

@@ -1,4 +1,4 @@
-#include "tools/emulate/event_log.hpp"
+#include "tools/log/event_log.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -31,8 +31,7 @@ class TiltBench final : public ScanSink {
     EXPECT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0, ends), 0);
     far_ = FileDescriptor(ends[0]);
     near_ = FileDescriptor(ends[1]);
-    line_.in_use = true;
-    line_.offered = near_.get();
+    line_.offer(near_.get());
     gpio_.has_stop_line = true;
     source_.obey_stop(gpio_);
   }

@@ -1,6 +1,9 @@
+#include <bzlib.h>
 #include <gtest/gtest.h>
+#include <lz4frame.h>
 #include <lzma.h>
 #include <zlib.h>
+#include <zstd.h>
 
 #include "core/base/rng.hpp"
 #include "tools/command/error.hpp"
@@ -34,6 +37,36 @@ std::string xz(const std::string& plain) {
   return packed;
 }
 
+std::string bzip2(std::string plain) {
+  std::string packed(plain.size() + 1000 + plain.size() / 50, '\0');
+  auto size = static_cast<unsigned>(packed.size());
+  EXPECT_EQ(BZ2_bzBuffToBuffCompress(packed.data(), &size, plain.data(), static_cast<unsigned>(plain.size()), 9, 0, 0),
+            BZ_OK);
+  packed.resize(size);
+  return packed;
+}
+
+std::string lz4(const std::string& plain) {
+  LZ4F_preferences_t preferences{};
+  preferences.frameInfo.contentChecksumFlag = LZ4F_contentChecksumEnabled;
+  std::string packed(LZ4F_compressFrameBound(plain.size(), &preferences), '\0');
+  packed.resize(LZ4F_compressFrame(packed.data(), packed.size(), plain.data(), plain.size(), &preferences));
+  return packed;
+}
+
+std::string zstd(const std::string& plain) {
+  const std::unique_ptr<ZSTD_CCtx, std::size_t (*)(ZSTD_CCtx*)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
+  std::string packed(ZSTD_compressBound(plain.size()), '\0');
+  packed.resize(ZSTD_compress2(context.get(), packed.data(), packed.size(), plain.data(), plain.size()));
+  return packed;
+}
+
+/// In every way that there is.
+std::vector<std::string> packings(const std::string& plain) {
+  return {gzip(plain), xz(plain), bzip2(plain), lz4(plain), zstd(plain)};
+}
+
 /// Reads in pieces of changing size.
 std::string unpack(const std::string& packed) {
   const auto stream = view_bytes(packed, "packed");
@@ -59,10 +92,13 @@ std::string noise(std::size_t size) {
 TEST(Unpack, GivesBackWhatWasPacked) {
   for (const std::size_t size : {0U, 1U, 5U, 6U, 7U, 1000U, 300'000U}) {
     const std::string plain = noise(size);
-    EXPECT_EQ(unpack(gzip(plain)), plain);
-    EXPECT_EQ(unpack(xz(plain)), plain);
+    for (const std::string& packed : packings(plain)) {
+      EXPECT_TRUE(unpack(packed) == plain) << size;
+    }
   }
-  EXPECT_EQ(unpack(gzip(std::string(5'000'000, 'a'))), std::string(5'000'000, 'a'));
+  for (const std::string& packed : packings(std::string(5'000'000, 'a'))) {
+    EXPECT_TRUE(unpack(packed) == std::string(5'000'000, 'a'));
+  }
 }
 
 TEST(Unpack, LeavesPlainBytesAlone) {
@@ -72,13 +108,16 @@ TEST(Unpack, LeavesPlainBytesAlone) {
 }
 
 TEST(Unpack, JoinsSeveralMembers) {
-  EXPECT_EQ(unpack(gzip("one ") + gzip("two")), "one two");
-  EXPECT_EQ(unpack(xz("one ") + xz("two")), "one two");
+  const std::vector<std::string> first = packings("one ");
+  const std::vector<std::string> second = packings("two");
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(unpack(first[i] + second[i]), "one two") << i;
+  }
 }
 
 TEST(Unpack, RefusesACutStreamAtEveryLength) {
   const std::string plain = noise(400);
-  for (const std::string& packed : {gzip(plain), xz(plain)}) {
+  for (const std::string& packed : packings(plain)) {
     for (std::size_t size = 6; size < packed.size(); ++size) {
       EXPECT_THROW(static_cast<void>(unpack(packed.substr(0, size))), DataError) << size;
     }
@@ -87,7 +126,7 @@ TEST(Unpack, RefusesACutStreamAtEveryLength) {
 
 TEST(Unpack, RefusesDamage) {
   const std::string plain = noise(400);
-  for (std::string packed : {gzip(plain), xz(plain)}) {
+  for (std::string packed : packings(plain)) {
     for (std::size_t at = packed.size() / 4; at < packed.size() * 3 / 4; ++at) {
       packed[at] = static_cast<char>(packed[at] ^ 0x10);
       EXPECT_THROW(static_cast<void>(unpack(packed)), DataError) << at;

@@ -1,12 +1,19 @@
 #include "tools/command/command_line.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <span>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "config/config_error.hpp"
+#include "config/misspelling.hpp"
 #include "tools/command/campaign.hpp"
 #include "tools/command/cloud.hpp"
 #include "tools/command/ctl.hpp"
@@ -15,6 +22,7 @@
 #include "tools/command/error.hpp"
 #include "tools/command/eval.hpp"
 #include "tools/command/experiment.hpp"
+#include "tools/command/graph.hpp"
 #include "tools/command/info.hpp"
 #include "tools/command/probe.hpp"
 #include "tools/command/replay.hpp"
@@ -36,6 +44,7 @@ void add_commands(CLI::App& app) {
   add_cloud(app);
   add_info(app);
   add_eval(app);
+  add_graph(app);
   add_sim(app);
   add_experiment(app);
   add_campaign(app);
@@ -57,7 +66,31 @@ void flush_output() {
   }
 }
 
+std::vector<std::string> commands_of(CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+/// A word where a command must stand, and is none: CLI11 would only say that one is required.
+void refuse_misspelled_command(CLI::App& app, std::span<const char* const> words) {
+  const std::vector<std::string> names = commands_of(app);
+  if (words.empty() || app.get_require_subcommand_min() == 0 || words.front()[0] == '-') {
+    return;
+  }
+  const std::string word = words.front();
+  if (std::find(names.begin(), names.end(), word) != names.end()) {
+    return refuse_misspelled_command(*app.get_subcommand(word), words.subspan(1));
+  }
+  const std::string meant = nearest_name(word, names);
+  throw UsageError(meant.empty() ? fmt::format("'{}' is no command; there are {}", word, fmt::join(names, ", "))
+                                 : fmt::format("'{}' is no command; did you mean {}?", word, meant));
+}
+
 int parse_and_run(CLI::App& app, int argc, const char* const* argv) {
+  refuse_misspelled_command(app, std::span(argv, static_cast<std::size_t>(argc)).subspan(1));
   try {
     app.parse(argc, argv);
     return 0;

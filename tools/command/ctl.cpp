@@ -2,12 +2,18 @@
 
 #include <fmt/core.h>
 #include <sysexits.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "config/config.hpp"
+#include "drivers/io/device_advice.hpp"
 #include "firmware/daemon/control_server.hpp"
 #include "firmware/daemon/daemon_params.hpp"
 #include "firmware/daemon/memory_budget.hpp"
@@ -27,11 +33,13 @@ DaemonParams load(const std::string& config) {
 struct CtlArguments {
   std::string config;
   std::string socket;
+  bool json = false;
+  bool watch = false;
   std::vector<std::string> command;
 };
 
-void run_ctl(const CtlArguments& arguments) {
-  const std::string socket = arguments.socket.empty() ? load(arguments.config).control.socket : arguments.socket;
+/// The line that the daemon is sent.
+std::string line_of(const CtlArguments& arguments) {
   std::string command;
   for (const std::string& word : arguments.command) {
     command += (command.empty() ? "" : " ") + word;
@@ -39,17 +47,40 @@ void run_ctl(const CtlArguments& arguments) {
   if (command.size() > ControlServer::kCommandMaxBytes || command.find('\n') != std::string::npos) {
     throw UsageError(fmt::format("a command is one line of at most {} bytes", ControlServer::kCommandMaxBytes));
   }
+  if ((arguments.json || arguments.watch) && command != "status") {
+    throw UsageError("--json and --watch go with the command status alone");
+  }
+  return command + (arguments.json ? " json" : "");
+}
+
+std::string advice_on(int error, const std::string& socket) {
+  const std::string of_group = error == EACCES ? group_advice(socket) : "";
+  return of_group.empty() ? "expected an odolessd that runs, and its socket (control.socket)" : of_group;
+}
+
+std::string ask(const std::string& socket, const std::string& command) {
   std::string answer;
   if (const int error = send_command(socket, command, answer); error != 0) {
-    throw UserError(EX_UNAVAILABLE,
-                    fmt::format("{}: no daemon answers: {}; expected an odolessd that runs, and its socket "
-                                "(control.socket)",
-                                socket, system_reason(error)));
+    throw UserError(EX_UNAVAILABLE, fmt::format("{}: no daemon answers: {}; {}", socket, system_reason(error),
+                                                advice_on(error, socket)));
   }
   if (answer.starts_with("error: ")) {
     throw UserError(EX_DATAERR, answer.substr(7, answer.find('\n') - 7));
   }
-  fmt::print("{}", answer);
+  return answer;
+}
+
+void run_ctl(const CtlArguments& arguments) {
+  const std::string socket = arguments.socket.empty() ? load(arguments.config).control.socket : arguments.socket;
+  const std::string command = line_of(arguments);
+  const bool renews = arguments.watch && !arguments.json && ::isatty(STDOUT_FILENO) == 1;
+  for (bool again = true; again; again = arguments.watch) {
+    fmt::print("{}{}", renews ? "\033[H\033[J" : "", ask(socket, command));
+    if (std::fflush(stdout) != 0) {
+      throw IoError("standard output: writing failed");
+    }
+    std::this_thread::sleep_for(arguments.watch ? std::chrono::seconds(1) : std::chrono::seconds(0));
+  }
 }
 
 void run_memory(const std::string& config) {
@@ -68,6 +99,8 @@ void add_ctl(CLI::App& app) {
   CLI::App* const command = app.add_subcommand("ctl", "Ask or command the daemon that runs on this machine");
   command->add_option("--config", arguments->config, "The daemon's configuration, which names its socket");
   command->add_option("--socket", arguments->socket, "The socket itself");
+  command->add_flag("--json", arguments->json, "With status: one JSON object, on one line");
+  command->add_flag("--watch", arguments->watch, "With status: every second anew, until interrupted");
   command
       ->add_option("COMMAND", arguments->command,
                    "status, save, reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, or stop; -- "

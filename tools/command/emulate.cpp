@@ -36,7 +36,8 @@ std::unique_ptr<EmulatedScans> make_source(const EmulateLrfOptions& options, con
     if (!options.truth.empty()) {
       throw UsageError("--truth: a log doesn't know where the robot truly was; expected --from WORLD.world");
     }
-    return std::make_unique<LogSource>(model.period_ns, read_scan_log(options.from), options.rate_ratio);
+    return std::make_unique<LogSource>(model.period_ns, read_scan_log(options.from, {.topic = options.topic}),
+                                       options.rate_ratio);
   }
   return std::make_unique<WorldSource>(
       model.period_ns, WorldDrive{.world = read_world(options.from),
@@ -93,7 +94,8 @@ void run(const EmulateLrfOptions& options) {
 void add_lrf(CLI::App& emulate) {
   auto options = std::make_shared<EmulateLrfOptions>();
   CLI::App* const command = emulate.add_subcommand(
-      "lrf", "A laser range finder (Hokuyo, SICK, RPLIDAR, LDROBOT) on a line of your choice, until it is stopped");
+      "lrf",
+      "A laser range finder (Hokuyo, SICK, RPLIDAR, LDROBOT, YDLIDAR) on a line of your choice, until it is stopped");
   command->add_option("--from", options->from, "World file (*.world), or a log of any kind that replay reads")
       ->required();
   add_line_options(*command, *options, true);
@@ -141,6 +143,7 @@ void add_line_options(CLI::App& command, EmulateLrfOptions& options, bool is_req
 }
 
 void add_laser_options(CLI::App& command, EmulateLrfOptions& options) {
+  command.add_option("--topic", options.topic, "Topic of the scans, where a log of messages has several");
   command.add_option("--model", options.model, "Laser to be")
       ->check(CLI::IsMember(model_names()))
       ->capture_default_str();

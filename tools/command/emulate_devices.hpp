@@ -24,6 +24,7 @@ inline constexpr const char* kFaultForm = "KIND[=VALUE]@SECONDS[:DURATION]";
 
 struct EmulateLrfOptions {
   std::string from;
+  std::string topic;  ///< of the scans in the log
   std::string pty;
   int tcp_port = -1;  ///< -1: not on a network
   bool usbip = false;

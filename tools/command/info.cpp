@@ -22,6 +22,7 @@ namespace {
 
 struct InfoOptions {
   std::string log;
+  std::string topic;
   std::string config;
   bool json = false;
   std::int64_t period_ms = kDefaultPeriodNs / 1'000'000;
@@ -117,6 +118,65 @@ void print_tilt_log(const TiltLog& log) {
              static_cast<double>(log.row_offset_ns) * 1e-9);
 }
 
+double duration_s(const LogTopic& topic) {
+  return static_cast<double>(topic.last_ns) * 1e-9 - static_cast<double>(topic.first_ns) * 1e-9;
+}
+
+nlohmann::ordered_json to_json(const std::vector<LogTopic>& topics) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const LogTopic& topic : topics) {
+    list.push_back({{"name", topic.name},
+                    {"type", topic.type},
+                    {"has_scans", topic.has_scans},
+                    {"messages", topic.messages},
+                    {"duration_s", duration_s(topic)}});
+  }
+  return list;
+}
+
+void print_topics(const std::vector<LogTopic>& topics) {
+  for (const LogTopic& topic : topics) {
+    fmt::print("topic     {}: {} {} in {:.1f} s{}\n", topic.name, topic.messages, topic.type, duration_s(topic),
+               topic.has_scans ? " (scans)" : "");
+  }
+}
+
+/// Whether scans are there and nobody has said which.
+bool is_undecided(const std::vector<LogTopic>& topics, const InfoOptions& options) {
+  return options.topic.empty() &&
+         std::ranges::count_if(topics, [](const LogTopic& topic) { return topic.has_scans && topic.messages > 0; }) > 1;
+}
+
+void print_log(const InfoOptions& options) {
+  const std::vector<LogTopic> topics = read_topics(options.log);
+  if (topics.empty() && !options.json && is_tilt_log(options.log)) {
+    return print_tilt_log(read_tilt_log(options.log));
+  }
+  nlohmann::ordered_json json;
+  if (options.json) {
+    json["topics"] = to_json(topics);
+  } else {
+    print_topics(topics);
+  }
+  if (is_undecided(topics, options)) {
+    fmt::print("{}\n", options.json ? json.dump(2) : "scans     of several topics: --topic NAME tells of one");
+    return;
+  }
+  ScanLog log =
+      read_scan_log(options.log, {.default_period_ns = options.period_ms * 1'000'000, .topic = options.topic});
+  const Plausibility plausibility = make_plausible(log);
+  const LogInfo info = summarise(log, options.log);
+  if (options.json) {
+    json.update(to_json(info));
+    json["corrected"] = plausibility.corrected;
+    json["wrong"] = plausibility.wrong;
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    print_text(info);
+    print_plausibility(plausibility);
+  }
+}
+
 void run(const InfoOptions& options) {
   if (!options.config.empty()) {
     DaemonParams params;
@@ -129,21 +189,7 @@ void run(const InfoOptions& options) {
     }
     return;
   }
-  if (!options.json && is_tilt_log(options.log)) {
-    return print_tilt_log(read_tilt_log(options.log));
-  }
-  ScanLog log = read_scan_log(options.log, options.period_ms * 1'000'000);
-  const Plausibility plausibility = make_plausible(log);
-  const LogInfo info = summarise(log, options.log);
-  if (options.json) {
-    nlohmann::ordered_json json = to_json(info);
-    json["corrected"] = plausibility.corrected;
-    json["wrong"] = plausibility.wrong;
-    fmt::print("{}\n", json.dump(2));
-  } else {
-    print_text(info);
-    print_plausibility(plausibility);
-  }
+  print_log(options);
 }
 
 }  // namespace
@@ -151,7 +197,10 @@ void run(const InfoOptions& options) {
 void add_info(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* const command = app.add_subcommand("info", "Say what a recorded log holds");
-  command->add_option("LOG", options->log, "Recorded log: CARMEN, DP-SLAM or CSV, or a tilt log; also .gz or .xz");
+  command->add_option("LOG", options->log,
+                      "Recorded log: CARMEN, DP-SLAM, CSV, LCM, ROS 1 or 2 bag, MCAP, MRPT rawlog, or a tilt log; also "
+                      "packed (.gz, .xz, .bz2, .lz4, .zst)");
+  command->add_option("--topic", options->topic, "Topic of the scans, where a log of messages has several");
   command->add_option("--config", options->config, "Robot file: print how laser and tilt servo are mounted");
   command->add_option("--period-ms", options->period_ms, "Time between scans of a log without stamps")
       ->check(CLI::Range(1, 1'000'000))

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "drivers/io/device_address.hpp"
+#include "drivers/io/device_advice.hpp"
 #include "tools/command/error.hpp"
 #include "tools/probe/ask_lrf.hpp"
 #include "tools/probe/connected.hpp"
@@ -47,11 +48,13 @@ struct Protocol {
   double patience_s = 1e9;  ///< at most
 };
 constexpr Protocol kScip{LrfDriver::kScip, "SCIP (Hokuyo)"};
-/// In this order: SCIP's questions are plain text, an LDROBOT speaks unasked, an RPLIDAR answers within its first scan,
-/// and a SICK's rate must be searched for. A Hokuyo on USB has no rate; only one that is asked for a rate is searched
-/// for at all of them.
-constexpr std::array kProtocols{kScip, Protocol{LrfDriver::kScip, "SCIP at the rates of RS-232", 115200},
+/// In this order: SCIP's questions are plain text, an LDROBOT and some YDLIDARs speak unasked, an RPLIDAR answers
+/// within its first scan, and a SICK's rate must be searched for. A Hokuyo on USB has no rate; only one that is asked
+/// for a rate is searched for at all of them.
+constexpr std::array kProtocols{kScip,
+                                Protocol{LrfDriver::kScip, "SCIP at the rates of RS-232", 115200},
                                 Protocol{LrfDriver::kLdrobot, "LDROBOT's packets", 0, 1.0},
+                                Protocol{LrfDriver::kYdlidar, "YDLIDAR's packets", 0, 3.0},
                                 Protocol{LrfDriver::kRplidar, "RPLIDAR's protocol"},
                                 Protocol{LrfDriver::kSick, "SICK's telegrams"}};
 
@@ -65,6 +68,10 @@ void print_configuration(const LrfAnswer& answer, const std::string& alternative
   }
   if (params.baud != 0) {
     fmt::print("baud = {}\n", params.baud);
+  }
+  if (params.driver == LrfDriver::kYdlidar) {
+    fmt::print(
+        "ydlidar_ranging = \"triangle\"  # \"time_of_flight\" for a TG or TX, which nothing in its packets tells\n");
   }
   if (params.driver != LrfDriver::kSick) {
     return;
@@ -91,7 +98,7 @@ Errc ask(const std::string& address, const Protocol& protocol, const ProbeOption
   const double patience_s = std::min(options.patience_s, protocol.patience_s);
   const Result<LrfAnswer> asked = ask_lrf(params, std::llround(patience_s * 1e9));
   if (!asked.ok()) {
-    fmt::print("#   no laser that speaks {} answers: {}\n", protocol.name, describe(asked.error()));
+    fmt::print("#   no laser that speaks {} answers: {}\n", protocol.name, device_error_text(asked.error(), address));
     return asked.error();
   }
   const LrfAnswer& answer = asked.value();

@@ -16,6 +16,7 @@
 #include "tools/log/log_times.hpp"
 #include "tools/log/plausibility.hpp"
 #include "tools/log/reference_poses.hpp"
+#include "tools/output/g2o.hpp"
 #include "tools/output/map_files.hpp"
 #include "tools/output/map_picture.hpp"
 #include "tools/output/matches.hpp"
@@ -24,6 +25,7 @@
 #include "tools/output/trajectory.hpp"
 #include "tools/output/whole_file.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/replay/replay_page.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/verdict.hpp"
 
@@ -35,9 +37,11 @@ constexpr Rgb kTruthColour{0, 90, 181};
 
 struct LogJob {
   std::string log;
+  std::string topic;
   std::filesystem::path out;
   std::string config;
   std::string truth;
+  std::string web;
   double period_ms = 200.0;
   bool strict = false;
   ReplayOptions options;
@@ -53,7 +57,8 @@ RobotParams load(const std::string& config) {
 
 /// A log that can be a laser's; what was corrected for that is said.
 ScanLog read_log(const LogJob& job, std::vector<std::string>& corrected) {
-  ScanLog log = read_plausible_log(job.log, static_cast<std::int64_t>(job.period_ms * 1e6), corrected);
+  ScanLog log = read_plausible_log(
+      job.log, {.default_period_ns = static_cast<std::int64_t>(job.period_ms * 1e6), .topic = job.topic}, corrected);
   tell_corrections(job.log, corrected);
   return log;
 }
@@ -126,6 +131,12 @@ void write_replay(const LogJob& job, const ReplayResult& result, nlohmann::order
     write_map(job.out, result.map);
     write_map_picture(job.out / "map.png", result.map, paths_to_draw(job, result));
   }
+  if (result.graph) {
+    write_whole_file(job.out / "pose_graph.g2o", format_g2o(*result.graph));
+    summary["submaps"] = result.graph->size();
+    summary["loop_closures"] = result.closures.accepted - result.closures.taken_out;
+    summary["loop_closures_taken_out"] = result.closures.taken_out;
+  }
   summary["retried_matches"] = result.retried_matches;
   summary["filter_updates"] = result.filter_updates;
   summary["lost_scans"] = result.lost_scans;
@@ -146,11 +157,12 @@ void run_replay(const LogJob& job) {
   Outcome outcome;
   const ScanLog log = read_log(job, outcome.corrected);
   make_output_folder(job.out);
+  const auto page = job.web.empty() ? nullptr : std::make_unique<ReplayPage>(job.web);
   const std::int64_t scans = scans_used(log, job.options.every);
   ReplayResult result;
   {
     Progress bar(scans, InPipe::kLines);
-    result = replay(log, params, job.options, show_on(bar));
+    result = replay(log, params, job.options, show_on(bar), page ? page->watcher() : ReplayWatcher());
   }
   outcome.figures = figures_of(result);
   outcome.verdict = judge(outcome.figures);
@@ -164,6 +176,9 @@ void run_replay(const LogJob& job) {
   close(job, outcome);
   if (!outcome.figures.is_mapped) {
     throw DataError(job.log, 0, "nothing was mapped", "ranges between scan.range_min_m and scan.range_max_m");
+  }
+  if (page) {
+    page->stay();
   }
 }
 
@@ -196,7 +211,8 @@ void run_match(const LogJob& job) {
 
 CLI::App* add_log_job(CLI::App& app, const char* name, const char* what, LogJob& job) {
   CLI::App* const command = app.add_subcommand(name, what);
-  command->add_option("LOG", job.log, "Recorded log (see `odoless info`); .gz and .xz are read too")->required();
+  command->add_option("LOG", job.log, "Recorded log, of any kind that `odoless info` reads")->required();
+  command->add_option("--topic", job.topic, "Topic of the scans, where a log of messages has several");
   command->add_option("--out", job.out, "Folder for the results")->required();
   command->add_option("--config", job.config, "TOML file that overrides defaults (see `odoless config defaults`)");
   command->add_option("--every", job.options.every, "Use every N-th scan")
@@ -216,6 +232,7 @@ void add_replay(CLI::App& app) {
   const auto job = std::make_shared<LogJob>();
   CLI::App* const command = add_log_job(app, "replay", "Map a recorded log with the laser alone", *job);
   command->add_option("--truth", job->truth, "True poses, only drawn into the picture: TUM, `stamp x y yaw`, or a log");
+  command->add_option("--web", job->web, "ADDRESS:PORT of a page that shows the replay, until interrupted");
   command->callback([job] { run_replay(*job); });
 }
 

@@ -7,6 +7,7 @@
 #include "tools/emulate/rplidar_device.hpp"
 #include "tools/emulate/scip_device.hpp"
 #include "tools/emulate/sick_device.hpp"
+#include "tools/emulate/ydlidar_device.hpp"
 
 namespace odoless {
 
@@ -24,6 +25,9 @@ std::vector<EmulatedLrfModel> emulated_lrf_models() {
   for (const LdrobotModel& model : ldrobot_models()) {
     models.push_back({std::string(model.name), std::string(model.product), model.turn_ns, model.range_sd_m});
   }
+  for (const YdlidarModel& model : ydlidar_models()) {
+    models.push_back({std::string(model.name), std::string(model.product), model.turn_ns, model.range_sd_m});
+  }
   return models;
 }
 
@@ -37,6 +41,9 @@ std::unique_ptr<EmulatedLrf> make_emulated_lrf(std::string_view name, EmulatedSc
   }
   if (const LdrobotModel* const model = find_ldrobot_model(name); model != nullptr) {
     return std::make_unique<LdrobotDevice>(*model, source, std::move(options));
+  }
+  if (const YdlidarModel* const model = find_ydlidar_model(name); model != nullptr) {
+    return std::make_unique<YdlidarDevice>(*model, source, std::move(options));
   }
   const RplidarModel* const model = find_rplidar_model(name);
   ODOLESS_CHECK(model != nullptr);

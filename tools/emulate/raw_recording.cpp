@@ -9,8 +9,8 @@
 
 #include "drivers/tilt/cia402/canopen.hpp"
 #include "tools/command/error.hpp"
-#include "tools/emulate/event_log.hpp"
 #include "tools/log/candump.hpp"
+#include "tools/log/event_log.hpp"
 
 namespace odoless {
 namespace {

@@ -12,6 +12,21 @@
 namespace odoless {
 namespace {
 
+using namespace std::string_view_literals;
+
+/// The files of a ROS 2 bag, which is a directory.
+std::string bags_in(const std::filesystem::path& directory) {
+  std::string list;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, ignored)) {
+    const std::filesystem::path extension = entry.path().extension();
+    if (extension == ".mcap" || extension == ".db3") {
+      list += (list.empty() ? ", such as " : ", ") + entry.path().string();
+    }
+  }
+  return list;
+}
+
 class FileStream : public ByteStream {
  public:
   explicit FileStream(const std::filesystem::path& path)
@@ -20,7 +35,7 @@ class FileStream : public ByteStream {
       throw NoInputError(name_ + ": cannot be opened: " + system_reason(errno));
     }
     if (std::filesystem::is_directory(path)) {
-      throw NoInputError(name_ + ": is a directory; expected a file");
+      throw NoInputError(name_ + ": is a directory; expected a file" + bags_in(path));
     }
   }
 
@@ -51,52 +66,48 @@ class MemoryStream : public ByteStream {
   std::string_view bytes_;
 };
 
-/// A stream whose first bytes have been looked at already.
-class PeekedStream : public ByteStream {
- public:
-  explicit PeekedStream(std::unique_ptr<ByteStream> rest) : rest_(std::move(rest)) {
-    while (size_ < head_.size()) {
-      const std::size_t got = rest_->read(std::span(head_).subspan(size_));
-      if (got == 0) {
-        break;
-      }
-      size_ += got;
-    }
-  }
-
-  [[nodiscard]] std::string_view head() const { return {head_.data(), size_}; }
-
-  std::size_t read(std::span<char> buffer) override {
-    if (taken_ == size_) {
-      return rest_->read(buffer);
-    }
-    const std::size_t got = head().substr(taken_).copy(buffer.data(), buffer.size());
-    taken_ += got;
-    return got;
-  }
-
- private:
-  std::unique_ptr<ByteStream> rest_;
-  std::array<char, 6> head_{};
-  std::size_t size_ = 0;
-  std::size_t taken_ = 0;
+/// How a kind of packed file begins.
+struct Packing {
+  std::string_view magic;
+  std::unique_ptr<ByteStream> (*unpack)(std::unique_ptr<ByteStream> packed, const std::string& name);
 };
 
+constexpr std::array<Packing, 5> kPackings{{
+    {"\x1f\x8b"sv, unpack_gzip},
+    {"\xfd\x37zXZ\0"sv, unpack_xz},
+    {"BZh"sv, unpack_bzip2},
+    {"\x04\x22\x4d\x18"sv, unpack_lz4},
+    {"\x28\xb5\x2f\xfd"sv, unpack_zstd},
+}};
+
 std::unique_ptr<ByteStream> unpack_if_packed(std::unique_ptr<ByteStream> packed, const std::string& name) {
-  using namespace std::string_view_literals;
   auto peeked = std::make_unique<PeekedStream>(std::move(packed));
-  if (peeked->head().starts_with("\x1f\x8b"sv)) {
-    return unpack_gzip(std::move(peeked), name);
-  }
-  if (peeked->head() ==
-      "\xfd"
-      "7zXZ\0"sv) {
-    return unpack_xz(std::move(peeked), name);
+  for (const Packing& packing : kPackings) {
+    if (peeked->head().starts_with(packing.magic)) {
+      return packing.unpack(std::move(peeked), name);
+    }
   }
   return peeked;
 }
 
 }  // namespace
+
+PeekedStream::PeekedStream(std::unique_ptr<ByteStream> rest) : rest_(std::move(rest)) {
+  std::size_t got = 1;
+  while (size_ < head_.size() && got > 0) {
+    got = rest_->read(std::span(head_).subspan(size_));
+    size_ += got;
+  }
+}
+
+std::size_t PeekedStream::read(std::span<char> buffer) {
+  if (taken_ == size_) {
+    return rest_->read(buffer);
+  }
+  const std::size_t got = head().substr(taken_).copy(buffer.data(), buffer.size());
+  taken_ += got;
+  return got;
+}
 
 std::unique_ptr<ByteStream> open_bytes(const std::filesystem::path& path) {
   return unpack_if_packed(std::make_unique<FileStream>(path), path.string());

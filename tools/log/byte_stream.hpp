@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -23,7 +24,25 @@ class ByteStream {
   [[nodiscard]] virtual std::size_t read(std::span<char> buffer) = 0;
 };
 
-/// Opens a file, and unpacks it on the way when its first bytes say gzip or xz (the name does not matter).
+/// A stream whose first bytes have been looked at already.
+class PeekedStream : public ByteStream {
+ public:
+  explicit PeekedStream(std::unique_ptr<ByteStream> rest);
+
+  /// Up to 64 bytes, which `read` gives all the same.
+  [[nodiscard]] std::string_view head() const { return {head_.data(), size_}; }
+
+  std::size_t read(std::span<char> buffer) override;
+
+ private:
+  std::unique_ptr<ByteStream> rest_;
+  std::array<char, 64> head_{};
+  std::size_t size_ = 0;
+  std::size_t taken_ = 0;
+};
+
+/// Opens a file, and unpacks it on the way when its first bytes say gzip, xz, bzip2, LZ4 or Zstandard (the name does
+/// not matter).
 /// @throws NoInputError when it cannot be opened.
 [[nodiscard]] std::unique_ptr<ByteStream> open_bytes(const std::filesystem::path& path);
 

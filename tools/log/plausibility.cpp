@@ -244,6 +244,7 @@ void check_step(ScanLog& log, Plausibility& out) {
 
 Plausibility make_plausible(ScanLog& log) {
   Plausibility out;
+  out.corrected = log.passed_over;
   if (log.stamp_digits < 9) {
     const char* const unit = log.stamp_digits == 6   ? "milliseconds"
                              : log.stamp_digits == 3 ? "microseconds"
@@ -268,9 +269,9 @@ Plausibility make_plausible(ScanLog& log) {
   return out;
 }
 
-ScanLog read_plausible_log(const std::filesystem::path& path, std::int64_t default_period_ns,
+ScanLog read_plausible_log(const std::filesystem::path& path, const LogChoice& choice,
                            std::vector<std::string>& corrected) {
-  ScanLog log = read_scan_log(path, default_period_ns);
+  ScanLog log = read_scan_log(path, choice);
   const Plausibility plausibility = make_plausible(log);
   if (!plausibility.is_plausible()) {
     throw DataError(path.string(), 0, plausibility.wrong, plausibility.right);

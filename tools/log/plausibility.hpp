@@ -30,8 +30,8 @@ struct Plausibility {
 [[nodiscard]] Plausibility make_plausible(ScanLog& log);
 
 /// Reads a log and makes it plausible. @throws DataError also for what is wrong with it; what `read_scan_log` throws.
-/// @param corrected  Gets what was corrected.
-[[nodiscard]] ScanLog read_plausible_log(const std::filesystem::path& path, std::int64_t default_period_ns,
+/// @param corrected  Gets what was corrected, and what was passed over.
+[[nodiscard]] ScanLog read_plausible_log(const std::filesystem::path& path, const LogChoice& choice,
                                          std::vector<std::string>& corrected);
 
 }  // namespace odoless

@@ -9,6 +9,7 @@
 
 #include "core/base/float_precision.hpp"
 #include "tools/log/carmen_line.hpp"
+#include "tools/log/stamp.hpp"
 
 namespace odoless {
 namespace {
@@ -36,9 +37,7 @@ bool is_csv(std::string_view line) {
          line.substr(0, comma).find_first_not_of("0123456789.+-eE \t") == std::string_view::npos;
 }
 
-/// A planar_lidar_t's stamp is in microseconds, and its angles are floats.
-std::int64_t to_message_precision(std::int64_t stamp_ns) { return stamp_ns - stamp_ns % 1000; }
-
+/// With the precision of a planar_lidar_t, whose angles are floats.
 LineScan make(const Fields& fields, const CarmenLine& line) {
   LineScan result;
   result.has_stamp = line.stamp.has_value();

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tools/command/error.hpp"
+#include "tools/log/message_log.hpp"
 #include "tools/log/scan_lines.hpp"
 #include "tools/log/stamp.hpp"
 
@@ -86,9 +87,28 @@ ScanLog read_scan_log(LineReader& lines, std::int64_t default_period_ns) {
   return builder.finish(lines.name(), default_period_ns);
 }
 
-ScanLog read_scan_log(const std::filesystem::path& path, std::int64_t default_period_ns) {
-  LineReader lines(open_bytes(path), path.string());
-  return read_scan_log(lines, default_period_ns);
+ScanLog read_scan_log(const std::filesystem::path& path, const LogChoice& choice) {
+  auto bytes = std::make_unique<PeekedStream>(open_bytes(path));
+  if (const MessageFormat* const format = find_message_format(bytes->head()); format != nullptr) {
+    return read_scans(*format->open(std::move(bytes), path), choice);
+  }
+  if (!choice.topic.empty()) {
+    throw UsageError(fmt::format("--topic {}: {} has no topics", choice.topic, path.string()));
+  }
+  LineReader lines(std::move(bytes), path.string());
+  return read_scan_log(lines, choice.default_period_ns);
+}
+
+std::vector<LogTopic> read_topics(const std::filesystem::path& path) {
+  auto bytes = std::make_unique<PeekedStream>(open_bytes(path));
+  const MessageFormat* const format = find_message_format(bytes->head());
+  if (format == nullptr) {
+    return {};
+  }
+  const std::unique_ptr<MessageLog> log = format->open(std::move(bytes), path);
+  while (log->next()) {
+  }
+  return log->topics();
 }
 
 }  // namespace odoless

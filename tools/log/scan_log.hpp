@@ -36,25 +36,46 @@ struct ScanLog {
   bool has_stamps = false;  ///< false: the stamps are index * default_period_ns
   int stamp_digits = 9;     ///< of nanoseconds in the unit of the file's stamps; less than 9: they were no seconds
   std::vector<LogScan> scans;
+  std::vector<std::string> passed_over{};  ///< what was damaged or missing in the file, a sentence each
 };
 
 constexpr std::int64_t kDefaultPeriodNs = 200'000'000;
 
-/// Reads a whole log of any supported format, plain, .gz or .xz; format and packing are told from the content.
+/// What is wanted of a log, beyond its path.
+struct LogChoice {
+  std::int64_t default_period_ns = kDefaultPeriodNs;  ///< where the log has no stamps
+  std::string topic;                                  ///< of a log of messages; empty: the only one with scans
+};
+
+/// Messages of one name in a log.
+struct LogTopic {
+  std::string name;
+  std::string type;
+  bool has_scans = false;  ///< its messages are scans that can be read
+  std::int64_t messages = 0;
+  std::int64_t first_ns = 0;  ///< when they were recorded
+  std::int64_t last_ns = 0;
+};
+
+/// Reads a whole log of any supported format, plain or packed; format and packing are told from the content.
 ///
 /// - CARMEN `FLASER` and `ROBOTLASER1`: of the two, the kind that comes first counts, since some loggers write each
 ///   scan as both. Other messages are skipped. Stamps are the ipc_timestamp.
 /// - DP-SLAM `Laser n ranges...`: -90 to +90 deg, no stamps, 8.0 m and more is no return.
 /// - CSV `t,angle_min,angle_inc,time_inc,scan_time,rmin,rmax,n,ranges...`, rmax and more is no return.
+/// - Logs of messages (LCM, ROS, MCAP, MRPT), as formats/README.md has them. Stamps are the messages' own.
 ///
 /// Each scan has at least one range and a finite geometry with a step other than 0. Stamps that are missing, all equal
 /// or all zero are replaced by index * default_period_ns; stamps that go backwards are kept. Where the first stamp is
 /// beyond +-292 years in seconds, all are taken for milli-, micro- or nanoseconds. Stamps are in whole
 /// microseconds and angles of float precision, so that a scan that went over LCM is the very same.
 ///
-/// @throws DataError for a malformed line, a cut file, or a log without any scan; NoInputError, IoError.
-[[nodiscard]] ScanLog read_scan_log(const std::filesystem::path& path,
-                                    std::int64_t default_period_ns = kDefaultPeriodNs);
+/// @throws DataError for a malformed line, a cut file, a log without any scan, or with scans of several topics of which
+///         none was chosen; NoInputError, IoError.
+[[nodiscard]] ScanLog read_scan_log(const std::filesystem::path& path, const LogChoice& choice = {});
+
+/// What is in a log of messages; empty for other logs. @throws as read_scan_log.
+[[nodiscard]] std::vector<LogTopic> read_topics(const std::filesystem::path& path);
 
 /// The same from lines that somebody else opened.
 [[nodiscard]] ScanLog read_scan_log(LineReader& lines, std::int64_t default_period_ns = kDefaultPeriodNs);

@@ -4,52 +4,23 @@
 #include <lzma.h>
 #include <zlib.h>
 
-#include <array>
-
-#include "tools/command/error.hpp"
+#include "tools/log/packed_stream.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::size_t kChunkBytes = std::size_t{64} * 1024;
 constexpr std::uint64_t kDecoderBytesMax = 128ULL << 20U;
 
 // Both libraries want unsigned bytes where files have characters.
-std::uint8_t* as_bytes(char* characters) {
-  return reinterpret_cast<std::uint8_t*>(characters);  // NOLINT(cppcoreguidelines-pro-type-reinterpret-cast): see above
-}
-const std::uint8_t* as_bytes(const char* characters) {
-  return reinterpret_cast<const std::uint8_t*>(characters);  // NOLINT(cppcoreguidelines-pro-type-reinterpret-cast)
-}
+std::uint8_t* as_bytes(char* characters) { return reinterpret_cast<std::uint8_t*>(characters); }
+const std::uint8_t* as_bytes(const char* characters) { return reinterpret_cast<const std::uint8_t*>(characters); }
 
-/// The packed side that both decoders share.
-class PackedInput {
+class GzipStream : public PackedStream {
  public:
-  PackedInput(std::unique_ptr<ByteStream> packed, std::string name)
-      : packed_(std::move(packed)), name_(std::move(name)) {}
-
-  /// The next chunk; empty at the end.
-  std::span<const char> next() { return std::span(chunk_).first(packed_->read(chunk_)); }
-
-  [[noreturn]] void fail_cut() const {
-    throw DataError(name_, 0, "the compressed stream ends too early", "a complete .gz or .xz file (is it cut?)");
-  }
-  [[noreturn]] void fail_damaged() const {
-    throw DataError(name_, 0, "the compressed stream is damaged", "a file that `gzip -t` or `xz -t` accepts");
-  }
-
- private:
-  std::unique_ptr<ByteStream> packed_;
-  std::string name_;
-  std::array<char, kChunkBytes> chunk_{};
-};
-
-class GzipStream : public ByteStream {
- public:
-  GzipStream(std::unique_ptr<ByteStream> packed, const std::string& name) : input_(std::move(packed), name) {
+  GzipStream(std::unique_ptr<ByteStream> packed, const std::string& name) : PackedStream(std::move(packed), name) {
     constexpr int kGzipOnly = 16 + MAX_WBITS;
     if (inflateInit2(&state_, kGzipOnly) != Z_OK) {
-      input_.fail_damaged();
+      fail_damaged();
     }
   }
   GzipStream(const GzipStream&) = delete;
@@ -58,45 +29,24 @@ class GzipStream : public ByteStream {
   GzipStream& operator=(GzipStream&&) = delete;
   ~GzipStream() override { inflateEnd(&state_); }
 
-  std::size_t read(std::span<char> buffer) override {
-    state_.next_out = as_bytes(buffer.data());
-    state_.avail_out = static_cast<uInt>(buffer.size());
-    while (state_.avail_out == buffer.size() && !buffer.empty()) {
-      if (state_.avail_in == 0 && !refill()) {
-        break;
-      }
-      step();
-    }
-    return buffer.size() - state_.avail_out;
-  }
-
  private:
-  bool refill() {
-    const std::span<const char> chunk = input_.next();
-    if (chunk.empty() && inside_member_) {
-      input_.fail_cut();
-    }
-    state_.next_in = as_bytes(chunk.data());
-    state_.avail_in = static_cast<uInt>(chunk.size());
-    return !chunk.empty();
-  }
+  void begin_frame() override { inflateReset(&state_); }
 
-  void step() {
-    if (!inside_member_) {
-      inflateReset(&state_);
-      inside_member_ = true;
-    }
+  bool step(std::span<const char>& in, std::span<char>& out) override {
+    state_.next_in = as_bytes(in.data());
+    state_.avail_in = static_cast<uInt>(in.size());
+    state_.next_out = as_bytes(out.data());
+    state_.avail_out = static_cast<uInt>(out.size());
     const int status = inflate(&state_, Z_NO_FLUSH);
-    if (status == Z_STREAM_END) {
-      inside_member_ = false;
-    } else if (status != Z_OK && status != Z_BUF_ERROR) {
-      input_.fail_damaged();
+    if (status != Z_STREAM_END && status != Z_OK && status != Z_BUF_ERROR) {
+      fail_damaged();
     }
+    in = in.last(state_.avail_in);
+    out = out.last(state_.avail_out);
+    return status != Z_STREAM_END;
   }
 
-  PackedInput input_;
   z_stream state_{};
-  bool inside_member_ = true;
 };
 
 class XzStream : public ByteStream {

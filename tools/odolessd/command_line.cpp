@@ -21,6 +21,7 @@
 #include "tools/odolessd/replay_source.hpp"
 #include "tools/odolessd/save.hpp"
 #include "tools/output/whole_file.hpp"
+#include "tools/probe/connected.hpp"
 
 namespace odoless {
 namespace {
@@ -31,6 +32,7 @@ struct Arguments {
   std::string stages = "sensor,matcher,filter";
   std::string replay;
   double rate = 0.0;
+  std::string topic;
   double period_ms = 200.0;
   std::uint64_t seed = 1;
   bool check = false;
@@ -51,12 +53,14 @@ void define(CLI::App& app, Arguments& arguments) {
                  "Recorded seconds per second; 0: as fast as possible, and nothing is dropped")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
+  app.add_option("--topic", arguments.topic, "Topic of the scans, where the log of --replay has several");
   app.add_option("--period-ms", arguments.period_ms, "Time between scans of a log without stamps")
       ->check(CLI::Range(0.001, 1e6))
       ->capture_default_str();
   app.add_option("--seed", arguments.seed, "Seed of the random generator")->capture_default_str();
-  app.add_flag("--require-realtime", arguments.require_realtime,
-               "End with status 77 where real-time scheduling or locked memory is refused");
+  app.add_flag(
+      "--require-realtime", arguments.require_realtime,
+      "End with status 77 where real-time scheduling or locked memory is refused, 78 where a stage has no priority");
   app.add_flag("--enforce-realtime", arguments.enforce_realtime,
                "Kill the daemon when a real-time thread makes a system call that is not on its list, or uses the heap");
 }
@@ -85,6 +89,9 @@ DaemonOptions options_of(const Arguments& arguments) {
   options.seed = arguments.seed;
   options.require_realtime = arguments.require_realtime;
   options.enforce_realtime = arguments.enforce_realtime;
+  if (const std::string lack = lack_of_priority(options); !lack.empty()) {
+    throw ConfigError({lack});
+  }
   options.folder = arguments.out;
   options.save = [folder = options.folder](const DaemonResult& result) { return save_result(folder, result); };
   options.reload = [config = arguments.config](DaemonParams& params) -> std::string {
@@ -104,13 +111,29 @@ void add_replay(const Arguments& arguments, DaemonOptions& options) {
     throw UsageError("--replay needs the sensor and matcher stages here");
   }
   std::vector<std::string> corrected;
-  ScanLog log = read_plausible_log(arguments.replay, static_cast<std::int64_t>(arguments.period_ms * 1e6), corrected);
+  ScanLog log = read_plausible_log(
+      arguments.replay,
+      {.default_period_ns = static_cast<std::int64_t>(arguments.period_ms * 1e6), .topic = arguments.topic}, corrected);
   for (const std::string& correction : corrected) {
     fmt::print(stderr, "odolessd: {}: {}\n", arguments.replay, correction);
   }
   constexpr std::int64_t kHead_ns = 200'000'000;  // for the threads to be there
   options.source = std::make_unique<ReplaySource>(std::move(log), arguments.rate, MonotonicClock().now_ns() + kHead_ns);
   options.lossless = arguments.rate <= 0.0;
+}
+
+/// A daemon that was told nothing may be somebody's first try: says what it does, what is connected, and how to go on.
+void advise_beginner(const DaemonOptions& options) {
+  const std::string& device = options.params.lrf.device;
+  fmt::print(stderr, "odolessd: no configuration (--config ROBOT.toml): as built in, a Hokuyo laser on {}\n", device);
+  const std::vector<SerialDevice> connected = connected_serial_devices();
+  for (const SerialDevice& line : connected) {
+    fmt::print(stderr, "odolessd: connected: {}{}\n", line.stable_path, line.name.empty() ? "" : ", " + line.name);
+  }
+  fmt::print(stderr,
+             "odolessd: {}`odoless probe` asks lasers and prints the configuration for them; `odoless emulate lrf "
+             "--pty PATH` is one to try with\n",
+             connected.empty() ? "no serial line is connected; " : "");
 }
 
 int run(const Arguments& arguments) {
@@ -124,6 +147,8 @@ int run(const Arguments& arguments) {
   }
   if (!arguments.replay.empty()) {
     add_replay(arguments, options);
+  } else if (arguments.config.empty() && has_matcher(options.stages)) {
+    advise_beginner(options);
   }
   return run_daemon(std::move(options));
 }

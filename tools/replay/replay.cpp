@@ -1,11 +1,13 @@
 #include "tools/replay/replay.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "core/base/check.hpp"
-#include "firmware/stages/stage_chain.hpp"
+#include "core/graph/keyframe_gate.hpp"
+#include "core/graph/world_map.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/log_times.hpp"
@@ -138,13 +140,57 @@ class Recorder {
   std::int64_t last_time_ns_ = 0;
 };
 
+/// The pose graph beside the stages, on the scans and motions that they have.
+class GraphRun {
+ public:
+  GraphRun(const RobotParams& params, std::uint64_t seed)
+      : params_(params), gate_(params.graph), graph_(params.graph, params.limits, params.scan, seed) {}
+
+  void add(const ScanFrame& scan, const Motion& motion, const Pose2& map_T_odom) {
+    odom_.push_back({scan.stamp_ns(), motion.odom_T_current});
+    if (!gate_.add(motion)) {
+      return;
+    }
+    Keyframe keyframe;
+    codes_.resize(static_cast<std::size_t>(gate_.beams(scan)));
+    gate_.encode(scan, map_T_odom, keyframe, codes_);
+    gate_.accept();
+    bool is_at_work = graph_.add(keyframe, codes_);
+    while (is_at_work) {
+      is_at_work = graph_.work();
+    }
+  }
+
+  void finish(ReplayResult& result) {
+    graph_.finish();
+    result.trajectory = graph_.corrected(odom_);
+    WorldMap map(params_.slam.low.beam, params_.slam.low.grid.resolution_m);
+    map.render(graph_.world(), params_.scan);
+    map.write(result.map);
+    result.graph = graph_.graph();
+    result.closures = graph_.counts();
+    result.outside_scans = 0;  // a map of keyframes has no edge
+  }
+
+ private:
+  const RobotParams& params_;
+  KeyframeGate gate_;
+  SubmapGraph graph_;
+  std::vector<BeamCode> codes_;
+  std::vector<StampedPose> odom_;
+};
+
 }  // namespace
 
 ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
-                    const ReplayProgress& progress) {
+                    const ReplayProgress& progress, const ReplayWatcher& watcher) {
   const std::vector<int> used = used_scans(log, options.every);
   StageChain chain(params, options.seed, false);
   Recorder recorder(log);
+  std::optional<GraphRun> graph;
+  if (params.graph.enabled) {
+    graph.emplace(params, options.seed);
+  }
   for (std::size_t i = 0; i < used.size(); ++i) {
     const LogScan& scan = log.scans[static_cast<std::size_t>(used[i])];
     const RawScan raw = scan.raw();
@@ -154,6 +200,12 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
     }
     if (step.verdict == ScanVerdict::kAccepted) {
       recorder.add(used[i], step, chain.frame().time_ns());
+      if (graph) {
+        graph->add(chain.frame(), step.motion, step.filter.map_T_odom);
+      }
+      if (watcher) {
+        watcher(step, raw, chain);
+      }
     }
     if ((i + 1) * 10 / used.size() > i * 10 / used.size()) {
       recorder.result().rss_bytes_by_tenth.push_back(ResourceMeter::rss_bytes());
@@ -161,6 +213,9 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
     progress(static_cast<std::int64_t>(i) + 1, static_cast<std::int64_t>(used.size()), step.motion.fitness);
   }
   ReplayResult result = recorder.finish(chain.filter().filter());
+  if (graph) {
+    graph->finish(result);
+  }
   result.source = chain.sensor().counts();
   result.log_duration_s = to_s(log.scans[static_cast<std::size_t>(used.back())].stamp_ns - log.scans.front().stamp_ns);
   return result;

@@ -2,13 +2,17 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "config/robot_params.hpp"
 #include "core/geometry/stamped_pose.hpp"
+#include "core/graph/pose_graph.hpp"
+#include "core/graph/submap_graph.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "firmware/records/health.hpp"
+#include "firmware/stages/stage_chain.hpp"
 #include "tools/log/scan_log.hpp"
 #include "tools/output/matches.hpp"
 
@@ -20,13 +24,18 @@ struct ReplayOptions {
   std::uint64_t seed = 1;
 };
 
+/// Called after each scan that was accepted, with what the stages made of it; may be empty.
+using ReplayWatcher = std::function<void(const ChainStep&, const RawScan&, StageChain&)>;
+
 /// Called after each scan: scans done, scans in all, fitness of the last match.
 using ReplayProgress = std::function<void(std::int64_t, std::int64_t, double)>;
 
 /// What a log was made into.
 struct ReplayResult {
-  std::vector<StampedPose> trajectory;         ///< one per scan used, as known at the end
-  std::vector<StampedPose> online_trajectory;  ///< the same as known at the time
+  std::vector<StampedPose> trajectory;         ///< final: one pose per scan used, by the pose graph where it is on
+  std::vector<StampedPose> online_trajectory;  ///< the filter's estimates at the time
+  std::optional<PoseGraph> graph;              ///< where it is on
+  SubmapGraph::Counts closures{};
   std::vector<MatchRow> matches;
   OccupancyMap map;
   int poor_matches = 0;  ///< not converged
@@ -48,7 +57,7 @@ struct ReplayResult {
 /// Runs a log through the stages of the daemon on one thread. The same log, parameters and options give the same
 /// result, but for times and memory.
 [[nodiscard]] ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
-                                  const ReplayProgress& progress);
+                                  const ReplayProgress& progress, const ReplayWatcher& watcher = {});
 
 /// Matches each scan used with the one before: no filter, no local map, no expectation.
 [[nodiscard]] std::vector<MatchRow> match_pairs(const ScanLog& log, const RobotParams& params,

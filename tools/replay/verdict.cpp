@@ -25,7 +25,7 @@ constexpr double kNever = 1.0;
 // Outside: what lies there is missing in the map; a beam now and then is not, and one scan in two hundred is a place.
 // Untimed: the motion is held by the scans; where a third of the times is unknown, nothing is known of speeds.
 constexpr std::array<Bound, 6> kBounds{{
-    {&RunFigures::lost, 0.001, 0.1, "were taken while the robot was lost, and are not mapped"},
+    {&RunFigures::lost, 0.001, 0.1, "were taken while the robot was lost"},
     {&RunFigures::poor, 0.02, 0.2, "match the scans before them poorly"},
     {&RunFigures::doubtful, 0.02, kNever, "have a pose that was not sure"},
     {&RunFigures::outside, 0.005, kNever, "reach beyond the grid: what lies there is not in the map"},

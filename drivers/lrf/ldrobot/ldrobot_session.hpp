@@ -2,7 +2,7 @@
 
 #include "drivers/lrf/ldrobot/bring_up.hpp"
 #include "drivers/lrf/ldrobot/scan_stream.hpp"
-#include "drivers/lrf/streaming_session.hpp"
+#include "drivers/lrf/turning_session.hpp"
 
 namespace odoless {
 
@@ -10,17 +10,12 @@ namespace odoless {
 /// its points, and finds it again when it stalls. It sends nothing.
 ///
 /// One damaged byte costs at most the twelve points of its packet. Contract: see LrfSession.
-class LdrobotSession final : public StreamingSession<ldrobot::ScanStream, ldrobot::BringUp> {
+class LdrobotSession final : public TurningSession<ldrobot::ScanStream, ldrobot::BringUp> {
  public:
   /// @param beams_max  Most beams of a scan; more in `params` are refused with Errc::kTooManyBeams.
-  LdrobotSession(const LrfParams& params, int beams_max);
+  LdrobotSession(const LrfParams& params, int beams_max) : TurningSession(params, beams_max) {}
 
-  void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, LrfSink& sink) override;
   [[nodiscard]] std::span<const std::byte> transmit() override { return {}; }
-
- private:
-  void forget_received() override {}  // the bring-up does, and each stream begins with nothing
-  void on_found(const ldrobot::ScanStream::Found& found, LrfSink& sink);
 };
 
 }  // namespace odoless

@@ -1,12 +1,8 @@
 #include "drivers/lrf/ldrobot/packet.hpp"
 
-#include <algorithm>
-#include <utility>
-
 namespace odoless::ldrobot {
 namespace {
 
-constexpr std::byte kStart{0x54};
 constexpr std::byte kKind{0x2C};  ///< of points; the lower 5 bits are their number
 constexpr std::size_t kSpeed = 2;
 constexpr std::size_t kFirstAngle = 4;
@@ -49,20 +45,11 @@ std::uint8_t checksum(std::span<const std::byte> bytes) {
   return sum;
 }
 
-bool PacketReader::can_start() const {
-  return (size_ < 1 || buffer_[0] == kStart) && (size_ < 2 || buffer_[1] == kKind);
+bool PacketFormat::can_start(std::span<const std::byte> bytes) {
+  return (bytes.empty() || bytes[0] == kStart) && (bytes.size() < 2 || bytes[1] == kKind);
 }
 
-void PacketReader::drop_to_next_start() {
-  const auto begin = buffer_.begin();
-  const auto end = begin + static_cast<std::ptrdiff_t>(size_);
-  const auto next = std::find(begin + 1, end, kStart);
-  std::copy(next, end, begin);
-  size_ = static_cast<std::size_t>(end - next);
-}
-
-bool PacketReader::decode() {
-  const std::span<const std::byte> bytes = buffer_;
+bool PacketFormat::decode(std::span<const std::byte> bytes) {
   const unsigned first_cdeg = number_at(bytes, kFirstAngle);
   const unsigned last_cdeg = number_at(bytes, kLastAngle);
   const unsigned speed_degps = number_at(bytes, kSpeed);
@@ -84,31 +71,6 @@ bool PacketReader::decode() {
     packet_.points[i] = {number_at(bytes, at) * 0.001, std::to_integer<std::uint8_t>(bytes[at + 2])};
   }
   return true;
-}
-
-PacketReader::Outcome PacketReader::take(std::span<const std::byte>& bytes) {
-  for (;;) {
-    if (!can_start()) {
-      drop_to_next_start();
-      if (!std::exchange(told_, true)) {
-        return Outcome::kSkipped;
-      }
-    } else if (size_ == buffer_.size()) {
-      if (decode()) {
-        size_ = 0;
-        told_ = false;
-        return Outcome::kPacket;
-      }
-      drop_to_next_start();
-      told_ = true;
-      return Outcome::kWrongSum;
-    } else if (bytes.empty()) {
-      return Outcome::kMore;
-    } else {
-      buffer_[size_++] = bytes.front();
-      bytes = bytes.subspan(1);
-    }
-  }
 }
 
 }  // namespace odoless::ldrobot

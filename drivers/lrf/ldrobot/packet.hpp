@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <span>
 
+#include "drivers/lrf/packet_finder.hpp"
+
 namespace odoless::ldrobot {
 
 inline constexpr std::size_t kPacketBytes = 47;
@@ -35,33 +37,19 @@ struct Packet {
   }
 };
 
-/// Finds packets in a stream of bytes. After damage it looks for the next start within what it has kept, so that no
-/// other packet is lost.
-///
-/// Thread: one thread. Real time: no allocation; time linear in the bytes, times kPacketBytes where all are garbage.
-class PacketReader {
+/// See PacketFinder. Wrong are also angles, a speed and a counter that cannot be.
+class PacketFormat {
  public:
-  enum class Outcome : std::uint8_t {
-    kMore,      ///< all bytes are used, and no packet is complete
-    kPacket,    ///< `packet` holds one
-    kSkipped,   ///< bytes are thrown away up to what looks like a start
-    kWrongSum,  ///< what looked like a packet has the wrong sum, or angles that cannot be
-  };
+  static constexpr std::byte kStart{0x54};
 
-  /// Takes bytes off the front of `bytes` until something is found. Call until it says kMore.
-  [[nodiscard]] Outcome take(std::span<const std::byte>& bytes);
+  [[nodiscard]] static bool can_start(std::span<const std::byte> bytes);
+  [[nodiscard]] static std::size_t size_bytes(std::span<const std::byte> /*bytes*/) { return kPacketBytes; }
+  [[nodiscard]] bool decode(std::span<const std::byte> bytes);
   [[nodiscard]] const Packet& packet() const { return packet_; }
-  void clear() { size_ = 0; }
 
  private:
-  [[nodiscard]] bool can_start() const;
-  [[nodiscard]] bool decode();
-  void drop_to_next_start();
-
-  std::array<std::byte, kPacketBytes> buffer_{};
-  std::size_t size_ = 0;
-  bool told_ = false;  ///< that bytes are skipped, since the last packet
   Packet packet_;
 };
+using PacketReader = PacketFinder<PacketFormat, kPacketBytes>;
 
 }  // namespace odoless::ldrobot

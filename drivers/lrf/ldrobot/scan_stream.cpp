@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace odoless::ldrobot {
 namespace {
 
 constexpr std::int64_t kNominalTurnNs = 100'000'000;  ///< until one was seen
-constexpr double kKnownShareMin = 0.8;                ///< of the beams of a scan that is passed on
 constexpr double kRangeMinM = 0.02;
 constexpr double kSlowRangeMaxM = 12.0;          ///< LD06, LD19
 constexpr double kQuickRangeMaxM = 25.0;         ///< STL-27L
@@ -17,11 +15,6 @@ constexpr std::int64_t kQuickSampleNs = 46'296;  ///< STL-27L: 21600 a second
 constexpr std::int64_t kGapMaxMs = 2'000;        ///< more are no lost packets: it has started anew
 constexpr std::int64_t kLearnMs = 1'000;
 constexpr double kRateSlack = 0.1;  ///< by which its rate may be another than nominal
-
-double to_float_precision(double value) {
-  const volatile auto rounded = static_cast<float>(value);  // volatile: see scip/scan_stream.cpp
-  return static_cast<double>(rounded);
-}
 
 }  // namespace
 
@@ -32,38 +25,30 @@ std::int64_t sample_ns_of(const Packet& packet) {
   return sample_ns > 0.0 && sample_ns < between_ns ? kQuickSampleNs : kSlowSampleNs;
 }
 
-ScanStream::ScanStream(const LrfParams& params, int beams_max) : buffer_(beams_max) {
-  geometry_ = {.beams = params.ldrobot_beams,
-               .start_angle_rad = 0.0,
-               .angle_step_rad = to_float_precision(-2.0 * std::numbers::pi / params.ldrobot_beams),
-               .range_min_m = kRangeMinM,
-               .range_max_m = kSlowRangeMaxM,
-               .period_ns = kNominalTurnNs};
-}
+ScanStream::ScanStream(const LrfParams& params, int beams_max)
+    : scans_({.beams = params.ldrobot_beams,
+              .range_min_m = kRangeMinM,
+              .range_max_m = kSlowRangeMaxM,
+              .period_ns = kNominalTurnNs},
+             beams_max, 0.0) {}
 
 Errc ScanStream::configure(const Packet& packet, int line_baud) {
-  if (geometry_.beams > buffer_.beams_max()) {
-    return Errc::kTooManyBeams;
-  }
   nominal_ns_ = sample_ns_of(packet);
   sample_ns_ = static_cast<double>(nominal_ns_);
   transfer_ns_ = line_baud == 0 ? 0 : static_cast<std::int64_t>(kPacketBytes) * 10 * 1'000'000'000 / line_baud;
-  geometry_.period_ns = kNominalTurnNs;
-  geometry_.range_max_m = nominal_ns_ == kQuickSampleNs ? kQuickRangeMaxM : kSlowRangeMaxM;
+  scans_.set_range_max(nominal_ns_ == kQuickSampleNs ? kQuickRangeMaxM : kSlowRangeMaxM);
   reader_.clear();
-  turn_.clear();
   clock_.start();
-  buffer_.restart();
   counter_ms_.reset();
   device_ns_ = 0.0;
   counted_ms_ = counted_packets_ = 0;
   next_point_ = kPacketPoints;
-  return Errc::kOk;
+  return scans_.start();
 }
 
-ScanStream::Found ScanStream::take(std::span<const std::byte>& bytes, std::int64_t arrival_ns) {
+FoundScan ScanStream::take(std::span<const std::byte>& bytes, std::int64_t arrival_ns) {
   for (;;) {
-    if (const std::optional<Found> found = take_points(arrival_ns); found.has_value()) {
+    if (const std::optional<FoundScan> found = take_points(arrival_ns); found.has_value()) {
       return *found;
     }
     switch (reader_.take(bytes)) {
@@ -89,7 +74,7 @@ void ScanStream::on_packet(std::int64_t arrival_ns) {
     const std::int64_t elapsed_ms = (now_ms - *counter_ms_ + kCounterWrapMs) % kCounterWrapMs;
     if (elapsed_ms > kGapMaxMs) {
       clock_.start();
-      turn_.clear();
+      scans_.clear();
     } else {
       const auto packets = std::max<std::int64_t>(std::llround(static_cast<double>(elapsed_ms) * 1e6 / packet_ns), 1);
       device_ns_ += static_cast<double>(packets) * packet_ns;
@@ -115,35 +100,18 @@ void ScanStream::learn_rate(std::int64_t elapsed_ms, std::int64_t packets) {
   counted_ms_ = counted_packets_ = 0;
 }
 
-std::optional<ScanStream::Found> ScanStream::take_points(std::int64_t arrival_ns) {
+std::optional<FoundScan> ScanStream::take_points(std::int64_t arrival_ns) {
   const Packet& packet = reader_.packet();
   while (next_point_ < kPacketPoints) {
     const std::size_t point = next_point_++;
     const double before_ns = static_cast<double>(kPacketPoints - 1 - point) * sample_ns_;
     const std::int64_t time_ns = clock_.at_ns(std::llround(device_ns_ - before_ns));
     const rplidar::Point seen{.angle_deg = packet.angle_deg(point), .range_m = packet.points[point].range_m};
-    if (turn_.add(seen, time_ns) && turn_.is_whole()) {
-      return finish_turn(arrival_ns);
+    if (auto found = scans_.add(seen, time_ns, arrival_ns)) {
+      return found;
     }
   }
   return {};
-}
-
-ScanStream::Found ScanStream::finish_turn(std::int64_t arrival_ns) {
-  const std::span<float> ranges_m = buffer_.next(geometry_.beams);
-  const int known = turn_.resample(ranges_m);
-  if (turn_.is_spoilt() || known < kKnownShareMin * geometry_.beams) {
-    return {.scan = {}, .error = Errc::kWrongCount};
-  }
-  geometry_.period_ns = std::clamp<std::int64_t>(turn_.period_ns(), 20'000'000, 2'000'000'000);
-  last_stamp_ns_ = std::max(turn_.start_ns() / 1000 * 1000, last_stamp_ns_ + 1000);
-  return {.scan = LrfScan{.stamp_ns = last_stamp_ns_,
-                          .arrival_ns = arrival_ns,
-                          .start_angle_rad = geometry_.start_angle_rad,
-                          .angle_step_rad = geometry_.angle_step_rad,
-                          .beam_period_ns = geometry_.period_ns / geometry_.beams,
-                          .ranges_m = buffer_.seal()},
-          .error = Errc::kOk};
 }
 
 }  // namespace odoless::ldrobot

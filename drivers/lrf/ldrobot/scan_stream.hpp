@@ -7,9 +7,7 @@
 #include "drivers/lrf/arrival_clock.hpp"
 #include "drivers/lrf/ldrobot/packet.hpp"
 #include "drivers/lrf/lrf_params.hpp"
-#include "drivers/lrf/lrf_session.hpp"
-#include "drivers/lrf/range_buffer.hpp"
-#include "drivers/lrf/rplidar/turn.hpp"
+#include "drivers/lrf/turn_scans.hpp"
 
 namespace odoless::ldrobot {
 
@@ -30,29 +28,22 @@ class ScanStream {
   /// A stream is about to start, of which `packet` was one. Errc::kTooManyBeams: more than there is memory for.
   [[nodiscard]] Errc configure(const Packet& packet, int line_baud);
 
-  [[nodiscard]] const LrfGeometry& geometry() const { return geometry_; }
+  [[nodiscard]] const LrfGeometry& geometry() const { return scans_.geometry(); }
 
   /// Takes bytes off the front of `bytes`, up to the end of a turn or the first fault. A scan, or why there is none:
   /// Errc::kOk (all bytes are used), kWrongSum, kFrameMalformed (bytes had to be skipped), kWrongCount (a turn that
   /// lacks too many points, or of which something may have been wrong).
-  struct Found {
-    std::optional<LrfScan> scan;
-    Errc error = Errc::kOk;
-  };
-  [[nodiscard]] Found take(std::span<const std::byte>& bytes, std::int64_t arrival_ns);
+  [[nodiscard]] FoundScan take(std::span<const std::byte>& bytes, std::int64_t arrival_ns);
 
-  [[nodiscard]] std::uint64_t identical_run() const { return buffer_.identical_run(); }
+  [[nodiscard]] std::uint64_t identical_run() const { return scans_.identical_run(); }
 
  private:
   void on_packet(std::int64_t arrival_ns);
   void learn_rate(std::int64_t elapsed_ms, std::int64_t packets);
-  [[nodiscard]] std::optional<Found> take_points(std::int64_t arrival_ns);
-  [[nodiscard]] Found finish_turn(std::int64_t arrival_ns);
+  [[nodiscard]] std::optional<FoundScan> take_points(std::int64_t arrival_ns);
 
-  LrfGeometry geometry_;
-  RangeBuffer buffer_;
+  TurnScans scans_;
   PacketReader reader_;
-  rplidar::Turn turn_{0.0};
   ArrivalClock clock_{250'000'000};
   std::int64_t nominal_ns_ = 0;  ///< of a sample
   double sample_ns_ = 0.0;
@@ -61,7 +52,6 @@ class ScanStream {
   double device_ns_ = 0.0;         ///< of its last sample, by the samples' number
   std::int64_t counted_ms_ = 0;    ///< since the rate was learnt last
   std::int64_t counted_packets_ = 0;
-  std::int64_t last_stamp_ns_ = 0;
   std::size_t next_point_ = kPacketPoints;  ///< of the packet; the rest waits for the next call
 };
 

@@ -2,7 +2,7 @@
 
 #include "drivers/lrf/rplidar/bring_up.hpp"
 #include "drivers/lrf/rplidar/scan_stream.hpp"
-#include "drivers/lrf/streaming_session.hpp"
+#include "drivers/lrf/turning_session.hpp"
 
 namespace odoless {
 
@@ -11,17 +11,12 @@ namespace odoless {
 ///
 /// One damaged byte costs at most one scan. The standard scan has no sums: a byte that changes a range within what is
 /// possible cannot be told. Contract: see LrfSession.
-class RplidarSession final : public StreamingSession<rplidar::ScanStream, rplidar::BringUp> {
+class RplidarSession final : public TurningSession<rplidar::ScanStream, rplidar::BringUp> {
  public:
   /// @param beams_max  Most beams of a scan; more in `params` are refused with Errc::kTooManyBeams.
-  RplidarSession(const LrfParams& params, int beams_max);
+  RplidarSession(const LrfParams& params, int beams_max) : TurningSession(params, beams_max) {}
 
-  void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, LrfSink& sink) override;
   [[nodiscard]] std::span<const std::byte> transmit() override { return bring_up().take_request(); }
-
- private:
-  void forget_received() override {}  // the bring-up does, and each stream begins with nothing
-  void on_found(const rplidar::ScanStream::Found& found, LrfSink& sink);
 };
 
 }  // namespace odoless

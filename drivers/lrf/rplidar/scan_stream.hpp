@@ -6,10 +6,8 @@
 
 #include "drivers/lrf/arrival_clock.hpp"
 #include "drivers/lrf/lrf_params.hpp"
-#include "drivers/lrf/lrf_session.hpp"
-#include "drivers/lrf/range_buffer.hpp"
 #include "drivers/lrf/rplidar/point_reader.hpp"
-#include "drivers/lrf/rplidar/turn.hpp"
+#include "drivers/lrf/turn_scans.hpp"
 
 namespace odoless::rplidar {
 
@@ -25,33 +23,25 @@ class ScanStream {
   /// A stream is about to start. Errc::kTooManyBeams: more than there is memory for.
   [[nodiscard]] Errc configure(std::int64_t sample_ns, int line_baud);
 
-  [[nodiscard]] const LrfGeometry& geometry() const { return geometry_; }
+  [[nodiscard]] const LrfGeometry& geometry() const { return scans_.geometry(); }
 
   /// Takes bytes off the front of `bytes`, up to the end of a turn or the first fault. A scan, or why there is none:
   /// Errc::kOk (all bytes are used), kWrongSum, kFrameMalformed (bytes had to be skipped), kWrongCount (a turn that
   /// lacks too many points, or of which something may have been wrong).
-  struct Found {
-    std::optional<LrfScan> scan;
-    Errc error = Errc::kOk;
-  };
-  [[nodiscard]] Found take(std::span<const std::byte>& bytes, std::int64_t arrival_ns);
+  [[nodiscard]] FoundScan take(std::span<const std::byte>& bytes, std::int64_t arrival_ns);
 
-  [[nodiscard]] std::uint64_t identical_run() const { return buffer_.identical_run(); }
+  [[nodiscard]] std::uint64_t identical_run() const { return scans_.identical_run(); }
 
  private:
-  [[nodiscard]] std::optional<Found> take_points(std::int64_t arrival_ns);
-  [[nodiscard]] Found finish_turn(std::int64_t arrival_ns);
+  [[nodiscard]] std::optional<FoundScan> take_points(std::int64_t arrival_ns);
 
   RplidarScan scan_;
-  LrfGeometry geometry_;
-  RangeBuffer buffer_;
+  TurnScans scans_;
   PointReader reader_;
-  Turn turn_;
   ArrivalClock clock_{250'000'000};
   std::int64_t sample_ns_ = 0;
   std::int64_t transfer_ns_ = 0;  ///< of a node or a capsule
-  std::int64_t last_stamp_ns_ = 0;
-  std::size_t next_point_ = 0;  ///< of the reader's points; the rest waits for the next call
+  std::size_t next_point_ = 0;    ///< of the reader's points; the rest waits for the next call
 };
 
 }  // namespace odoless::rplidar

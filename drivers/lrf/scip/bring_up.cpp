@@ -1,6 +1,7 @@
 #include "drivers/lrf/scip/bring_up.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace odoless::scip {
@@ -9,8 +10,8 @@ namespace {
 constexpr std::int64_t kQuietNs = 60'000'000;        ///< silence after which a line counts as drained
 constexpr std::int64_t kDrainMaxNs = 1'000'000'000;  ///< then the next step is tried all the same
 constexpr std::int64_t kPauseNs = 1'000'000'000;     ///< before a broken device is asked again
-constexpr int kProbesMax =
-    5;  ///< that a device answers on its way: SCIP 1.1, time mode, another rate, and one to spare
+/// That a device answers on its way: SCIP 1.1, time mode, another rate, no time and its mode, and one to spare.
+constexpr int kProbesMax = 7;
 constexpr std::array<int, 6> kRatesBaud{19200, 57600, 115200, 250000, 500000, 750000};
 
 bool is_ok(const Reply& reply) {
@@ -25,6 +26,7 @@ BringUp::BringUp(const LrfParams& params, ScanStream& stream)
 
 void BringUp::start(std::int64_t now_ns, bool with_reset) {
   silence_told_ = false;
+  tells_no_time_ = false;
   probes_answered_ = 0;
   enter(with_reset ? Step::kReset : Step::kDrain, now_ns);
 }
@@ -45,6 +47,7 @@ std::string_view BringUp::request_of(Step step) {
       return "PP\n";
     case Step::kStart:
       return stream_.request();
+    case Step::kTime:
     case Step::kSetRate:
     case Step::kPause:
     case Step::kDone:
@@ -62,7 +65,7 @@ std::string_view BringUp::take_request() { return {request_.data(), std::exchang
 
 void BringUp::enter(Step step, std::int64_t now_ns) {
   step_ = step;
-  send(request_of(step));
+  send(step == Step::kTime ? time_.request(now_ns) : request_of(step));
   if (step == Step::kSetRate) {
     std::array<char, 9> request{'S', 'S', '0', '0', '0', '0', '0', '0', '\n'};
     int rest = params_.baud;
@@ -120,6 +123,9 @@ void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
       }
       next_rate();
       break;
+    case Step::kTime:
+      tells_no_time_ = true;
+      break;
     default:
       break;
   }
@@ -164,11 +170,28 @@ void BringUp::on_parameters(const Reply& reply, std::int64_t now_ns, LrfSink& si
   }
   const Result<Parameters> parameters = parameters_of(reply);
   const Errc error = parameters.ok() ? stream_.configure(parameters.value(), line_baud_) : parameters.error();
-  if (error == Errc::kOk) {
+  if (error != Errc::kOk) {
+    pause(error, -1, now_ns, sink);
+  } else if (tells_no_time_) {
     enter(Step::kStart, now_ns);
   } else {
-    pause(error, -1, now_ns, sink);
+    time_.start(line_baud_);
+    enter(Step::kTime, now_ns);
   }
+}
+
+void BringUp::on_time(const Reply& reply, std::int64_t now_ns) {
+  if (!time_.on_reply(reply, now_ns)) {
+    return;
+  }
+  if (!time_.done()) {
+    enter(Step::kTime, now_ns);
+    return;
+  }
+  if (const std::optional<ClockReading> reading = time_.reading()) {
+    stream_.compare(*reading);
+  }
+  enter(Step::kStart, now_ns);
 }
 
 void BringUp::on_started(const Reply& reply, std::int64_t now_ns, LrfSink& sink) {
@@ -205,6 +228,9 @@ void BringUp::on_reply(const Reply& reply, std::int64_t now_ns, LrfSink& sink) {
       return;
     case Step::kAsk:
       on_parameters(reply, now_ns, sink);
+      return;
+    case Step::kTime:
+      on_time(reply, now_ns);
       return;
     case Step::kStart:
       on_started(reply, now_ns, sink);

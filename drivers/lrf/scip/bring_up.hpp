@@ -9,6 +9,7 @@
 #include "drivers/lrf/lrf_session.hpp"
 #include "drivers/lrf/scip/replies.hpp"
 #include "drivers/lrf/scip/scan_stream.hpp"
+#include "drivers/lrf/scip/time_query.hpp"
 
 namespace odoless::scip {
 
@@ -18,7 +19,8 @@ namespace odoless::scip {
 ///   2. QT again, for an answer: none: the next line rate, and anew; SCIP 1.1: switch to 2.0; time mode: leave it;
 ///   3. where a line rate is wished for and isn't there yet: SS;
 ///   4. PP: steps, ranges and rate are the device's;
-///   5. MD, MS or ME: the stream.
+///   5. TM0, TM1, TM2: the time of its clock, if it tells that;
+///   6. MD, MS or ME: the stream.
 ///
 /// Every answer that doesn't come or cannot be understood leads back to 1; a device that is broken is reset (RS). One
 /// that answers in 2 again and again, and never gets farther, is told of once (LrfEventType::kUnanswered).
@@ -53,6 +55,7 @@ class BringUp {
     kSwitch,
     kSetRate,
     kAsk,
+    kTime,
     kStart,
     kPause,
     kDone
@@ -65,11 +68,14 @@ class BringUp {
   void on_probe(const Reply& reply, std::int64_t now_ns, LrfSink& sink);
   void on_parameters(const Reply& reply, std::int64_t now_ns, LrfSink& sink);
   void on_started(const Reply& reply, std::int64_t now_ns, LrfSink& sink);
+  void on_time(const Reply& reply, std::int64_t now_ns);
   void on_rate(const Reply& reply, std::int64_t now_ns);
   void next_rate();
 
   LrfParams params_;
   ScanStream& stream_;
+  TimeQuery time_;
+  bool tells_no_time_ = false;  ///< it did not answer in this bring-up
   Step step_ = Step::kPause;
   std::int64_t deadline_ns_ = 0;
   std::int64_t drain_end_ns_ = 0;

@@ -34,6 +34,8 @@ class ScanStream {
 
   /// How many scans in a row, up to the last one, were equal to the one before them.
   [[nodiscard]] std::uint64_t identical_run() const { return identical_run_; }
+  /// The device has told the time of its clock since `configure`.
+  void compare(const ClockReading& reading) { clock_.compare(reading); }
   [[nodiscard]] std::uint64_t clock_resets() const { return clock_.resets(); }
 
  private:

@@ -15,11 +15,21 @@ namespace {
 constexpr std::int64_t kTurn_ns = 100'000'000;    // 10 Hz
 constexpr double kFast_radps = std::numbers::pi;  // 180 degrees per second
 
+/// The beams of a sweep, a degree apart.
+struct Sweep {
+  int beams = 271;
+  double start_rad = -0.75 * std::numbers::pi;
+  double step_rad = std::numbers::pi / 180.0;
+};
+constexpr Sweep kThreeQuarters{};
+constexpr Sweep kWholeTurn{.beams = 360, .start_rad = -std::numbers::pi};
+constexpr Sweep kClockwiseFromTheFront{.beams = 360, .start_rad = 0.0, .step_rad = -std::numbers::pi / 180.0};
+
 /// Sweeps of a moving laser, each beam from where the laser is at its own time.
 class MovingLaser {
  public:
-  MovingLaser(SimulatedScene scene, const Velocity2& velocity, double noise_sd_m)
-      : scene_(std::move(scene)), velocity_(velocity), ranges_m_(static_cast<std::size_t>(kBeams)) {
+  MovingLaser(SimulatedScene scene, const Velocity2& velocity, double noise_sd_m, const Sweep& sweep = kThreeQuarters)
+      : scene_(std::move(scene)), velocity_(velocity), sweep_(sweep), ranges_m_(static_cast<std::size_t>(sweep.beams)) {
     laser_.noise_sd_m = noise_sd_m;
   }
 
@@ -29,18 +39,18 @@ class MovingLaser {
   }
 
   void sweep(const Pose2& map_T_scan, std::int64_t stamp_ns, ScanFrame& scan) {
-    for (int i = 0; i < kBeams; ++i) {
+    for (int i = 0; i < sweep_.beams; ++i) {
       const SimulatedLaser one{.beams = 1,
-                               .start_angle_rad = kStart_rad + i * kStep_rad,
-                               .angle_step_rad = kStep_rad,
+                               .start_angle_rad = sweep_.start_rad + i * sweep_.step_rad,
+                               .angle_step_rad = sweep_.step_rad,
                                .noise_sd_m = laser_.noise_sd_m,
                                .range_max_m = 12.0};
       const double time_s = static_cast<double>(i * kBeam_ns) * 1e-9;
       ranges_m_[static_cast<std::size_t>(i)] = ranges_m(scene_, one, moved(map_T_scan, time_s), rng_)[0];
     }
     ASSERT_EQ(scan.assign({.stamp_ns = stamp_ns,
-                           .start_angle_rad = kStart_rad,
-                           .angle_step_rad = kStep_rad,
+                           .start_angle_rad = sweep_.start_rad,
+                           .angle_step_rad = sweep_.step_rad,
                            .beam_period_ns = kBeam_ns,
                            .ranges_m = ranges_m_}),
               Errc::kOk);
@@ -56,14 +66,12 @@ class MovingLaser {
     return std::sqrt(sum_m2 / scan.returns());
   }
 
-  static constexpr int kBeams = 271;
-  static constexpr double kStep_rad = std::numbers::pi / 180.0;
-  static constexpr double kStart_rad = -0.75 * std::numbers::pi;
   static constexpr std::int64_t kBeam_ns = kTurn_ns / 360;
 
  private:
   SimulatedScene scene_;
   Velocity2 velocity_;
+  Sweep sweep_;
   SimulatedLaser laser_;
   Rng rng_{3};
   std::vector<float> ranges_m_;
@@ -84,10 +92,11 @@ TEST(Deskew, MakesWallsAsStraightAsAtRest) {
   }
 }
 
-TEST(Deskew, TheMatchersOwnVelocityWillDo) {
-  const Velocity2 velocity{0.0, 0.0, kFast_radps};
-  MovingLaser turning(cluttered_room(), velocity, 0.01);
-  MovingLaser resting(cluttered_room(), {}, 0.01);
+/// Deskews 40 scans of a moving laser by the odometry's own velocity, which begins at rest, and holds them to scans at
+/// rest.
+void expect_straight_by_odometry(const Velocity2& velocity, const Sweep& sweep) {
+  MovingLaser moving(cluttered_room(), velocity, 0.01, sweep);
+  MovingLaser resting(cluttered_room(), {}, 0.01, sweep);
   ScanFrame scan(ScanParams{});
   Pose2 map_T_scan{-0.8, -1.2, 0.3};
   resting.sweep(map_T_scan, 0, scan);
@@ -95,19 +104,31 @@ TEST(Deskew, TheMatchersOwnVelocityWillDo) {
   LaserOdometry odometry({}, {}, {}, {});
   Rng rng(1);
   constexpr int kScans = 40;
-  constexpr int kFirst = 6;  // the odometry starts at rest
+  constexpr int kFirst = 6;
   double sum_m = 0.0;
   for (int i = 0; i < kScans; ++i) {
-    turning.sweep(map_T_scan, i * kTurn_ns, scan);
+    moving.sweep(map_T_scan, i * kTurn_ns, scan);
     scan.deskew(odometry.velocity());
     static_cast<void>(odometry.process(scan, {}, rng));
     if (i >= kFirst) {
-      sum_m += turning.crookedness_m(scan, map_T_scan);
-      EXPECT_NEAR(odometry.velocity().yaw_radps, kFast_radps, 0.3) << i;
+      sum_m += moving.crookedness_m(scan, map_T_scan);
+      EXPECT_NEAR(odometry.velocity().yaw_radps, velocity.yaw_radps, 0.1) << i;
     }
-    map_T_scan = turning.moved(map_T_scan, 0.1);
+    map_T_scan = moving.moved(map_T_scan, 0.1);
   }
   EXPECT_LT(sum_m / (kScans - kFirst), 1.3 * at_rest_m);
+}
+
+TEST(Deskew, TheMatchersOwnVelocityWillDo) { expect_straight_by_odometry({0.0, 0.0, kFast_radps}, kThreeQuarters); }
+
+// What is wrong with a speed must not come back a scan later with the other sign: where beams come all the time, it
+// grew.
+TEST(Deskew, ASpeedSettlesWhereASweepTakesTheWholePeriod) {
+  for (const double speed_mps : {0.0, 0.8}) {
+    expect_straight_by_odometry({speed_mps, 0.0, kFast_radps}, kWholeTurn);
+    expect_straight_by_odometry({speed_mps, 0.0, kFast_radps}, kClockwiseFromTheFront);
+    expect_straight_by_odometry({speed_mps, 0.0, -kFast_radps}, kClockwiseFromTheFront);
+  }
 }
 
 // What a log without beam times gives stays bit for bit.

@@ -10,11 +10,23 @@ TEST(DeviceAddress, IsAPathWithoutAScheme) {
   EXPECT_EQ(std::get<SerialAddress>(parse_device_address("/dev/ttyACM0").value()).path, "/dev/ttyACM0");
 }
 
-TEST(DeviceAddress, TcpHasANumericHostAndAPort) {
+TEST(DeviceAddress, TcpHasAHostAndAPort) {
   EXPECT_EQ(std::get<TcpAddress>(parse_device_address("tcp://192.168.0.10:10940").value()),
             (TcpAddress{.host = "192.168.0.10", .port = 10940}));
   EXPECT_EQ(std::get<TcpAddress>(parse_device_address("tcp://[fe80::1]:1").value()),
             (TcpAddress{.host = "fe80::1", .port = 1}));
+}
+
+TEST(DeviceAddress, TcpMayHaveAName) {
+  for (const char* const host : {"localhost", "laser", "laser-2.robot.local", "3com.example", "a1.b2c"}) {
+    EXPECT_EQ(std::get<TcpAddress>(parse_device_address(std::string("tcp://") + host + ":7").value()),
+              (TcpAddress{.host = host, .port = 7}));
+  }
+  for (const char* const wrong : {"tcp://-a:1", "tcp://a..b:1", "tcp://.a:1", "tcp://a_b:1", "tcp://a b:1",
+                                  "tcp://a/b:1", "tcp://1.2.3.400:1", "tcp://[laser:1", "tcp://:1"}) {
+    EXPECT_EQ(parse_device_address(wrong).error(), Errc::kBadAddress) << wrong;
+  }
+  EXPECT_FALSE(parse_device_address("tcp://" + std::string(254, 'a') + ":1").ok());
 }
 
 TEST(DeviceAddress, UsbHasHexadecimalNumbersAndPerhapsASerialNumber) {
@@ -33,7 +45,7 @@ TEST(DeviceAddress, OnlyASerialLineHasARateOfOurs) {
 
 TEST(DeviceAddress, RefusesWhatIsNeither) {
   for (const char* const wrong :
-       {"", "tcp://", "tcp://laser:1", "tcp://1.2.3.4", "tcp://1.2.3.4:0", "tcp://1.2.3.4:65536", "tcp://1.2.3.4:-1",
+       {"", "tcp://", "tcp://laser", "tcp://1.2.3.4", "tcp://1.2.3.4:0", "tcp://1.2.3.4:65536", "tcp://1.2.3.4:-1",
         "tcp://1.2.3:80", "usb://", "usb://15d1", "usb://15d1:", "usb://15d1:10000", "usb://15d1:0000/", "usb://x:y",
         "usb://+1:0", "udp://1.2.3.4:5", "http://x"}) {
     EXPECT_EQ(parse_device_address(wrong).error(), Errc::kBadAddress) << wrong;

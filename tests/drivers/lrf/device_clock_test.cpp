@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/base/rng.hpp"
 
@@ -80,6 +81,38 @@ TEST(DeviceClock, StampsAreNeverFarOffEvenAtFirst) {
   DeviceClock clock;
   clock.start(device.period_ns, kDelayNs);
   EXPECT_LT(worst_ms(clock, device, 0, 400), 5.5);
+}
+
+/// As a device that takes longer than is known to send what it has measured.
+constexpr std::int64_t kLatencyNs = 8 * kMs;
+
+double worst_of_late_bytes_ms(double drift_ppm, const std::optional<ClockReading>& reading) {
+  Device device{.drift_ppm = drift_ppm, .jitter_ms = 3.0};
+  DeviceClock clock;
+  clock.start(device.period_ns, kDelayNs - kLatencyNs);
+  if (reading) {
+    clock.compare(*reading);
+  }
+  return worst_ms(clock, device, 400, 2000);
+}
+
+TEST(DeviceClock, AReadingTellsTheLatencyThatArrivalsCannot) {
+  const Device device;
+  const ClockReading reading{device.counter_ms(0) - 40, device.origin_ns - 40 * kMs};
+  for (const double drift_ppm : {0.0, 100.0, -100.0}) {
+    EXPECT_GT(worst_of_late_bytes_ms(drift_ppm, {}), 7.0);
+    EXPECT_LT(worst_of_late_bytes_ms(drift_ppm, reading), 1.5);
+  }
+}
+
+TEST(DeviceClock, AReadingOfAnotherClockTellsNothing) {
+  const Device device;
+  for (const std::int64_t wrong_by_ns : {-kSecond, kSecond}) {
+    const ClockReading reading{device.counter_ms(0) - 40, device.origin_ns - 40 * kMs + wrong_by_ns};
+    const double worst_error_ms = worst_of_late_bytes_ms(0.0, reading);
+    EXPECT_GT(worst_error_ms, 7.0);
+    EXPECT_LT(worst_error_ms, 9.5);
+  }
 }
 
 TEST(DeviceClock, AResetCostsTwoScansAndMakesNoJump) {

@@ -16,6 +16,8 @@ struct TestedLaser {
   int wrong_baud =
       0;  ///< a rate that the driver keeps to though the laser has another; 0: the driver finds the right one
   RplidarScan rplidar_scan = RplidarScan::kStandard;
+  SickVariant sick_variant = SickVariant::k180ByHalf;
+  LrfRanging ydlidar_ranging = LrfRanging::kTriangle;
   bool has_sums = true;  ///< its protocol: what is damaged can be told
 
   [[nodiscard]] LrfParams params() const {
@@ -23,6 +25,8 @@ struct TestedLaser {
     params.driver = driver;
     params.baud = baud;
     params.rplidar_scan = rplidar_scan;
+    params.sick_variant = sick_variant;
+    params.ydlidar_ranging = ydlidar_ranging;
     return params;
   }
   friend void PrintTo(const TestedLaser& laser, std::ostream* out) { *out << laser.name; }
@@ -33,6 +37,11 @@ inline constexpr TestedLaser kTestedLasers[] = {
     {.name = "scip_urg", .model = "urg-04lx", .driver = LrfDriver::kScip},
     {.name = "scip_utm", .model = "utm-30lx", .driver = LrfDriver::kScip},
     {.name = "sick", .model = "lms200", .driver = LrfDriver::kSick, .baud = 38400},
+    {.name = "sick_degree",
+     .model = "lms200",
+     .driver = LrfDriver::kSick,
+     .baud = 38400,
+     .sick_variant = SickVariant::k180By1},
     {.name = "sick_quick", .model = "lms291", .driver = LrfDriver::kSick, .baud = 500000},
     {.name = "rplidar_standard",
      .model = "rplidar-a1",
@@ -47,6 +56,14 @@ inline constexpr TestedLaser kTestedLasers[] = {
     {.name = "ldrobot_ld06", .model = "ld06", .driver = LrfDriver::kLdrobot, .wrong_baud = 921600},
     {.name = "ldrobot_ld19", .model = "ld19", .driver = LrfDriver::kLdrobot, .wrong_baud = 115200},
     {.name = "ldrobot_stl", .model = "stl-27l", .driver = LrfDriver::kLdrobot, .wrong_baud = 230400},
+    {.name = "ydlidar_x2", .model = "ydlidar-x2", .driver = LrfDriver::kYdlidar, .wrong_baud = 128000},
+    {.name = "ydlidar_x4", .model = "ydlidar-x4", .driver = LrfDriver::kYdlidar, .wrong_baud = 115200},
+    {.name = "ydlidar_g4", .model = "ydlidar-g4", .driver = LrfDriver::kYdlidar, .wrong_baud = 512000},
+    {.name = "ydlidar_tg30",
+     .model = "ydlidar-tg30",
+     .driver = LrfDriver::kYdlidar,
+     .wrong_baud = 230400,
+     .ydlidar_ranging = LrfRanging::kTimeOfFlight},
 };
 
 inline std::string laser_name(const auto& tested) { return tested.param.name; }

@@ -1,0 +1,65 @@
+#pragma once
+
+#include "core/base/parameters.hpp"
+#include "core/match/matcher_params.hpp"
+
+namespace odoless {
+
+/// What submaps are matched against: as the odometry's local map, but larger, and coarse enough for points from a few
+/// metres of travel. Free space contradicts a wrong loop closure [study of 2026: without it 11 wrong ones of 441].
+[[nodiscard]] inline ReferenceParams submap_reference_params() {
+  ReferenceParams params;
+  params.ndt.cell_size_m = 0.5;
+  params.ndt.extent_m = 29.0;
+  params.free_every = 3;
+  params.wide_cell_size_m = 0.0;
+  params.fine.extent_m = params.coarse.extent_m = 25.0;
+  return params;
+}
+
+/// The pose graph of submaps.
+struct GraphParams {
+  bool enabled = true;
+  int submaps_max = 2048;
+  int constraints_max = 16384;
+  int keyframes_max = 24576;
+  int keyframe_beams_max = 541;
+  double keyframe_distance_m = 0.4;
+  double keyframe_rotation_rad = 0.2618;
+  double submap_travel_m = 5.0;
+  int submap_keyframes = 20;
+  double submap_slip_m = 1.0;
+  int candidates = 24;
+  int references = 3;
+  int reference_points_max = 24000;
+  ReferenceParams reference = submap_reference_params();
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.flag("enabled", self.enabled, "Whether loops are closed by a pose graph of submaps.");
+    visit.value("submaps_max", self.submaps_max, Range{16, 200'000}, "Most submaps; memory is set aside for them.");
+    visit.value("constraints_max", self.constraints_max, Range{32, 2'000'000},
+                "Most constraints between submaps; memory is set aside for them.");
+    visit.value("keyframes_max", self.keyframes_max, Range{64, 4'000'000},
+                "Most keyframes; memory is set aside for them.");
+    visit.value("keyframe_beams_max", self.keyframe_beams_max, Range{32, 16384},
+                "Most beams of a keyframe; of a scan with more only every second, third, ... is kept.");
+    visit.value("keyframe_distance_m", self.keyframe_distance_m, Range{0.05, 10.0},
+                "Travel after which a scan becomes a keyframe.");
+    visit.value("keyframe_rotation_rad", self.keyframe_rotation_rad, Range{0.02, 3.1416},
+                "Rotation after which a scan becomes a keyframe.");
+    visit.value("submap_travel_m", self.submap_travel_m, Range{0.5, 100.0}, "Travel after which a submap ends.");
+    visit.value("submap_keyframes", self.submap_keyframes, Range{3, 100}, "Most keyframes of a submap.");
+    visit.value("submap_slip_m", self.submap_slip_m, Range{0.1, 10.0},
+                "A submap ends where the odometry may have slipped by this much along an unconstrained direction.");
+    visit.value("candidates", self.candidates, Range{1, 200},
+                "Most older submaps that a submap is matched with when it ends.");
+    visit.value("references", self.references, Range{1, 100},
+                "Submaps that are kept ready to be matched with; each takes some 30 MB.");
+    visit.value("reference_points_max", self.reference_points_max, Range{1000, 200'000},
+                "Most points of a submap with its neighbours.");
+    visit.group("reference", self.reference, "What a submap is made into to be matched with.");
+  }
+};
+
+}  // namespace odoless

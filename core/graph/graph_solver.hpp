@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Sparse>
+#include <vector>
+
+#include "core/graph/pose_graph.hpp"
+
+namespace odoless {
+
+/// Moves the nodes of a pose graph to where its constraints agree best: Gauss-Newton on a sparse Cholesky factor
+/// [grisetti2010tutorial], loop closures weighted by dynamic covariance scaling [agarwal2013dcs], new ones in full for
+/// the first iterations, so that a large loop can close. Node 0 stays.
+///
+/// Thread: owned by one thread. Not for real-time threads: it allocates.
+class GraphSolver {
+ public:
+  struct Report {
+    int iterations = 0;
+    double chi2 = 0.0;  ///< sum of the weighted squared errors
+  };
+
+  /// @return  Of the last iteration. Sets the weights of loop closures.
+  Report solve(PoseGraph& graph, int iterations_max);
+
+ private:
+  using Matrix = Eigen::SparseMatrix<double>;
+
+  /// Adds a constraint's part to the normal equations. @return  Its weighted squared error.
+  double add(const PoseGraph& graph, Constraint& constraint, bool in_full);
+  /// Adds a block of the Hessian's lower triangle.
+  void add_block(int row, int column, const Eigen::Matrix3d& block);
+  /// Largest step of a node, in metres.
+  double move(PoseGraph& graph) const;
+
+  std::vector<Eigen::Triplet<double>> entries_;
+  Eigen::VectorXd gradient_;
+  Eigen::VectorXd step_;
+  Matrix hessian_;
+  Eigen::SimplicialLDLT<Matrix> factor_;
+};
+
+/// Squared error of a constraint as the graph stands, in deviations.
+[[nodiscard]] double squared_error(const PoseGraph& graph, const Constraint& constraint);
+
+}  // namespace odoless

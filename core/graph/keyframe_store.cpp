@@ -1,0 +1,51 @@
+#include "core/graph/keyframe_store.hpp"
+
+#include <algorithm>
+
+#include "core/base/check.hpp"
+
+namespace odoless {
+
+KeyframeStore::KeyframeStore(int keyframes_max, int beams_max)
+    : keyframes_max_(static_cast<std::size_t>(keyframes_max)) {
+  kept_.reserve(keyframes_max_);
+  codes_.reserve(keyframes_max_ * static_cast<std::size_t>(beams_max));
+  loaded_m_.reserve(static_cast<std::size_t>(beams_max));
+}
+
+int KeyframeStore::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
+  ODOLESS_CHECK(!full() && codes.size() == static_cast<std::size_t>(keyframe.beams));
+  kept_.push_back({keyframe, {}, codes_.size()});
+  codes_.insert(codes_.end(), codes.begin(), codes.end());
+  return size() - 1;
+}
+
+std::span<const BeamCode> KeyframeStore::codes(int index) const {
+  return std::span(codes_).subspan(at(index).first_code, static_cast<std::size_t>(at(index).keyframe.beams));
+}
+
+double KeyframeStore::farthest_m(int index) const {
+  float farthest_m = 0.0F;
+  for (const BeamCode code : codes(index)) {
+    const float range_m = range_of(code);
+    farthest_m = range_m == kNoReturn_m ? farthest_m : std::max(farthest_m, range_m);
+  }
+  return static_cast<double>(farthest_m);
+}
+
+void KeyframeStore::load(int index, int stride, ScanFrame& frame) const {
+  const Keyframe& keyframe = (*this)[index];
+  const std::span<const BeamCode> all = codes(index);
+  loaded_m_.clear();
+  for (std::size_t i = 0; i < all.size(); i += static_cast<std::size_t>(stride)) {
+    loaded_m_.push_back(range_of(all[i]));
+  }
+  const RawScan raw{.stamp_ns = keyframe.stamp_ns,
+                    .start_angle_rad = keyframe.start_angle_rad,
+                    .angle_step_rad = keyframe.angle_step_rad * stride,
+                    .no_return_m = kNoReturn_m,
+                    .ranges_m = loaded_m_};
+  ODOLESS_CHECK(frame.assign(raw) == Errc::kOk);
+}
+
+}  // namespace odoless

@@ -1,0 +1,106 @@
+#include "core/graph/pose_graph.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "core/base/check.hpp"
+#include "core/geometry/pose2_covariance.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr double kPassable = 0.3;  // weight of a loop closure from which on paths lead through it
+
+// A turn moves what lies a few metres off.
+double cost_of(const Eigen::Matrix3d& covariance) {
+  constexpr double kLever_m2 = 25.0;
+  return covariance(0, 0) + covariance(1, 1) + kLever_m2 * covariance(2, 2);
+}
+
+}  // namespace
+
+Eigen::Matrix3d carried(const Eigen::Matrix3d& covariance_ab, const Pose2& b_T_c) {
+  const Eigen::Matrix3d move = adjoint(b_T_c.inverse());
+  return move * covariance_ab * move.transpose();
+}
+
+Eigen::Matrix3d inverted(const Eigen::Matrix3d& covariance_ab, const Pose2& a_T_b) {
+  return carried(covariance_ab, a_T_b.inverse());
+}
+
+Eigen::Vector3d error_between(const Pose2& measured, const Pose2& expected) {
+  const Pose2 error = measured.inverse() * expected;
+  return {error.x_m, error.y_m, error.yaw_rad};
+}
+
+PoseGraph::PoseGraph(int nodes_max, int constraints_max)
+    : nodes_max_(static_cast<std::size_t>(nodes_max)), constraints_max_(static_cast<std::size_t>(constraints_max)) {
+  poses_.reserve(static_cast<std::size_t>(nodes_max));
+  first_.reserve(static_cast<std::size_t>(nodes_max));
+  constraints_.reserve(static_cast<std::size_t>(constraints_max));
+  links_.reserve(static_cast<std::size_t>(constraints_max));
+}
+
+int PoseGraph::add_node(const Pose2& map_T_node) {
+  ODOLESS_CHECK(!full());
+  poses_.push_back(map_T_node);
+  first_.push_back(kNone);
+  return size() - 1;
+}
+
+void PoseGraph::add(const Constraint& constraint) {
+  ODOLESS_CHECK(has_room(1) && constraint.from != constraint.to);
+  const int index = static_cast<int>(constraints_.size());
+  int& from = first_[static_cast<std::size_t>(constraint.from)];
+  int& to = first_[static_cast<std::size_t>(constraint.to)];
+  constraints_.push_back(constraint);
+  links_.push_back({from, to});
+  from = to = index;
+}
+
+void PoseGraph::project(int root, Projection& out) const {
+  using Entry = std::pair<double, int>;
+  out.covariances.assign(poses_.size(), Eigen::Matrix3d::Zero());
+  out.costs.assign(poses_.size(), kUnreached);
+  std::vector<bool> is_done(poses_.size(), false);
+  std::vector<Entry> open{{0.0, root}};
+  out.costs[static_cast<std::size_t>(root)] = 0.0;
+  while (!open.empty()) {
+    std::pop_heap(open.begin(), open.end(), std::greater<>{});
+    const auto at = static_cast<std::size_t>(open.back().second);
+    open.pop_back();
+    if (is_done[at]) {
+      continue;
+    }
+    is_done[at] = true;
+    for (int each = first_[at]; each != kNone;) {
+      const Constraint& constraint = constraints_[static_cast<std::size_t>(each)];
+      const Links& links = links_[static_cast<std::size_t>(each)];
+      const bool is_forward = static_cast<std::size_t>(constraint.from) == at;
+      each = is_forward ? links.after_from : links.after_to;
+      const auto next = static_cast<std::size_t>(is_forward ? constraint.to : constraint.from);
+      if (is_done[next] || (constraint.is_loop && constraint.weight < kPassable)) {
+        continue;
+      }
+      const Pose2 step = poses_[at].inverse() * poses_[next];
+      const Eigen::Matrix3d covariance =
+          carried(out.covariances[at], step) +
+          (is_forward ? constraint.covariance : inverted(constraint.covariance, constraint.from_T_to));
+      const double cost = cost_of(covariance);
+      if (cost < out.costs[next]) {
+        out.costs[next] = cost;
+        out.covariances[next] = covariance;
+        open.emplace_back(cost, static_cast<int>(next));
+        std::push_heap(open.begin(), open.end(), std::greater<>{});
+      }
+    }
+  }
+}
+
+std::size_t PoseGraph::memory_bytes() const {
+  return poses_.capacity() * (sizeof(Pose2) + sizeof(int)) +
+         constraints_.capacity() * (sizeof(Constraint) + sizeof(Links));
+}
+
+}  // namespace odoless

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/geometry/pose2.hpp"
+
+namespace odoless {
+
+/// A covariance in this folder is that of a small motion of the later frame, over (x_m, y_m, yaw_rad) in its own axes:
+/// a_T_b is a_T_b * error.
+
+/// Covariance of a_T_c = a_T_b * b_T_c where only a_T_b errs.
+[[nodiscard]] Eigen::Matrix3d carried(const Eigen::Matrix3d& covariance_ab, const Pose2& b_T_c);
+/// Covariance of b_T_a, of that of a_T_b.
+[[nodiscard]] Eigen::Matrix3d inverted(const Eigen::Matrix3d& covariance_ab, const Pose2& a_T_b);
+/// measured^-1 * expected as (x_m, y_m, yaw_rad): the error of a measured pose, in its axes.
+[[nodiscard]] Eigen::Vector3d error_between(const Pose2& measured, const Pose2& expected);
+
+/// What is known of the pose of one submap in another's frame.
+struct Constraint {
+  int from = 0;
+  int to = 0;
+  Pose2 from_T_to{};
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  bool is_loop = false;  ///< a loop closure, which may be wrong; else odometry
+  bool is_new = false;   ///< since the last solution
+  double weight = 1.0;   ///< that robust least squares give a loop closure; 0: taken out
+};
+
+/// Poses of submaps and the constraints between them.
+///
+/// Frames: map, which begins at node 0. Thread: owned by one thread. Memory is fixed at construction.
+class PoseGraph {
+ public:
+  /// Covariance of each node in one node's frame, along the path that errs least.
+  struct Projection {
+    std::vector<Eigen::Matrix3d> covariances;
+    std::vector<double> costs;  ///< kUnreached where there is no path
+  };
+  static constexpr double kUnreached = 1e18;
+
+  PoseGraph(int nodes_max, int constraints_max);
+
+  [[nodiscard]] int size() const { return static_cast<int>(poses_.size()); }
+  [[nodiscard]] bool full() const { return poses_.size() == nodes_max_; }
+  [[nodiscard]] bool has_room(int constraints) const {
+    return constraints_.size() + static_cast<std::size_t>(constraints) <= constraints_max_;
+  }
+  /// Only when not full. @return  Its index.
+  int add_node(const Pose2& map_T_node);
+  /// Only when there is room.
+  void add(const Constraint& constraint);
+
+  [[nodiscard]] const Pose2& pose(int node) const { return poses_[static_cast<std::size_t>(node)]; }
+  [[nodiscard]] Pose2 between(int from, int to) const { return pose(from).inverse() * pose(to); }
+  [[nodiscard]] std::span<Pose2> poses() { return poses_; }
+  [[nodiscard]] std::span<const Pose2> poses() const { return poses_; }
+  [[nodiscard]] std::span<Constraint> constraints() { return constraints_; }
+  [[nodiscard]] std::span<const Constraint> constraints() const { return constraints_; }
+
+  /// Dijkstra's shortest paths by the trace of the covariance [bosse2003atlas, section III-C]. Loop closures with a
+  /// weight below 0.3 lead nowhere. Time: n log n in the constraints.
+  void project(int root, Projection& out) const;
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  static constexpr int kNone = -1;
+  struct Links {
+    int after_from = kNone;  ///< next constraint of the same node
+    int after_to = kNone;
+  };
+
+  std::size_t nodes_max_;
+  std::size_t constraints_max_;
+  std::vector<Pose2> poses_;
+  std::vector<int> first_;  ///< constraint of each node
+  std::vector<Constraint> constraints_;
+  std::vector<Links> links_;
+};
+
+}  // namespace odoless

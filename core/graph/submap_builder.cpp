@@ -1,0 +1,52 @@
+#include "core/graph/submap_builder.hpp"
+
+#include <cmath>
+#include <cstddef>
+
+namespace odoless {
+
+SubmapBuilder::SubmapBuilder(const GraphParams& params) : params_(params) {
+  begun_.reserve(static_cast<std::size_t>(params.submap_keyframes));
+}
+
+bool SubmapBuilder::is_full() const {
+  constexpr std::size_t kSlipping_min = 3;
+  return travel_m_ >= params_.submap_travel_m || static_cast<int>(begun_.size()) >= params_.submap_keyframes ||
+         (slip_m_ > params_.submap_slip_m && begun_.size() >= kSlipping_min);
+}
+
+bool SubmapBuilder::add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store) {
+  const OdometryStretch& step = keyframe.since_last;
+  const bool has_ended = (step.is_torn() || is_full()) && finish(store);
+  since_stored_ = since_stored_.then(step);
+  travel_m_ += step.distance_m;
+  slip_m_ += std::hypot(step.slip_m.x_m, step.slip_m.y_m);
+  if (!store.full()) {
+    begun_.push_back({store.add(keyframe, codes), since_stored_});
+    since_stored_ = {};
+  }
+  return has_ended;
+}
+
+bool SubmapBuilder::finish(KeyframeStore& store) {
+  if (begun_.empty()) {
+    return false;
+  }
+  const std::size_t middle = begun_.size() / 2;
+  const Keyframe& origin = store[begun_[middle].index];
+  finished_ = {begun_.front().index, static_cast<int>(begun_.size()), origin.odom_T_scan, origin.stamp_ns};
+  odometry_ = has_origin_ ? since_origin_ : OdometryStretch{};
+  since_origin_ = {};
+  for (std::size_t i = 0; i < begun_.size(); ++i) {
+    const Begun& each = begun_[i];
+    store.place(each.index, origin.odom_T_scan.inverse() * store[each.index].odom_T_scan);
+    OdometryStretch& sum = i <= middle ? odometry_ : since_origin_;
+    sum = sum.then(each.since_last);
+  }
+  has_origin_ = true;
+  begun_.clear();
+  travel_m_ = slip_m_ = 0.0;
+  return true;
+}
+
+}  // namespace odoless

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <vector>
+
+#include "core/graph/graph_params.hpp"
+#include "core/graph/keyframe_store.hpp"
+#include "core/graph/odometry_stretch.hpp"
+
+namespace odoless {
+
+/// A rigid group of keyframes. Its frame is that of its middle keyframe, the origin.
+struct Submap {
+  int first_keyframe = 0;
+  int keyframes = 0;
+  Pose2 odom_T_submap{};
+  std::int64_t origin_stamp_ns = 0;
+};
+
+/// Cuts the stream of keyframes into submaps: one ends after a few metres, where the odometry may have slipped by too
+/// much, and before a motion that is not credible.
+///
+/// Thread: owned by one thread. No allocation after construction but the store's.
+class SubmapBuilder {
+ public:
+  explicit SubmapBuilder(const GraphParams& params);
+
+  /// Every keyframe. While the store is full its motion alone is noted.
+  /// @return  Whether a submap has ended: `finished` says which.
+  bool add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store);
+  /// Ends the submap that has begun. @return  Whether there was one.
+  bool finish(KeyframeStore& store);
+
+  [[nodiscard]] const Submap& finished() const { return finished_; }
+  /// From the origin of the submap before to the finished one's; default for the first one.
+  [[nodiscard]] const OdometryStretch& odometry() const { return odometry_; }
+
+ private:
+  struct Begun {
+    int index = 0;
+    OdometryStretch since_last;  ///< from the keyframe before that is stored
+  };
+
+  [[nodiscard]] bool is_full() const;
+
+  GraphParams params_;
+  std::vector<Begun> begun_;
+  OdometryStretch since_stored_;  ///< to the newest keyframe
+  OdometryStretch since_origin_;  ///< of the submap before to its end
+  double travel_m_ = 0.0;
+  double slip_m_ = 0.0;
+  bool has_origin_ = false;
+  Submap finished_;
+  OdometryStretch odometry_;
+};
+
+}  // namespace odoless

@@ -1,0 +1,317 @@
+#include "core/graph/submap_graph.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace odoless {
+namespace {
+
+constexpr int kNeighbours = 4;            // submaps before one that are its own past and not a loop
+constexpr double kNeighbours_rad2 = 0.1;  // unless the robot's turn is this uncertain
+constexpr double kReach_m = 6.0;          // between origins of submaps that overlap
+constexpr double kDeviations = 3.0;
+constexpr int kRevisited = 2;  // older submaps that are looked at again with each new one
+constexpr int kRevisited_candidates = 6;
+constexpr double kRevisited_sd_m = 0.5;
+constexpr double kAgain_m = 1.0;  // change of the predicted pose from which on a match is tried again
+constexpr double kNear_sd_m = 0.35;
+constexpr double kSlack_m = 0.5;  // of the search beyond the deviations
+constexpr double kSlack_rad = 0.05;
+constexpr double kSearch_max_m = 7.0;
+constexpr double kSearch_max_rad = 0.61;
+constexpr double kLostYaw_rad = 0.5;  // deviation of the yaw from which on all is searched
+constexpr double kLostSearch_rad = 2.1;
+constexpr double kScore_min = 0.25;
+constexpr double kCoverage_min = 0.45;
+constexpr double kAgreement_min = 0.85;
+constexpr double kGate_chi2 = 16.0;
+constexpr double kUnmistakable_m = 1.0;  // three deviations within which no other place can be meant
+constexpr double kTakenOut_weight = 0.2;
+constexpr int kIterations = 25;
+constexpr int kIterations_again = 15;
+
+double largest_sd(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
+  return std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
+}
+
+}  // namespace
+
+SubmapGraph::SubmapGraph(const GraphParams& params, const RobotLimits& limits, const ScanParams& scan,
+                         std::uint64_t seed)
+    : params_(params),
+      limits_(limits),
+      rng_(seed, 2),
+      store_(params.keyframes_max, params.keyframe_beams_max),
+      builder_(params),
+      graph_(params.submaps_max, params.constraints_max),
+      matcher_(params, scan) {
+  submaps_.reserve(static_cast<std::size_t>(params.submaps_max));
+  attempts_.reserve(static_cast<std::size_t>(params.submaps_max));
+}
+
+bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
+  if (!graph_.full() && graph_.has_room(1) && builder_.add(keyframe, codes, store_)) {
+    add_submap();
+  }
+  return phase_ != Phase::kIdle;
+}
+
+void SubmapGraph::add_submap() {
+  while (work()) {
+  }
+  const Submap& submap = builder_.finished();
+  if (submaps_.empty()) {
+    graph_.add_node(store_[submap.first_keyframe].map_T_odom * submap.odom_T_submap);
+  } else {
+    const int last = graph_.size() - 1;
+    const OdometryStretch& odometry = builder_.odometry();
+    const int node = graph_.add_node(graph_.pose(last) * odometry.start_T_end);
+    graph_.add({.from = last,
+                .to = node,
+                .from_T_to = odometry.start_T_end,
+                .covariance = odometry.constraint_covariance(limits_)});
+    matcher_.forget(last);
+    matcher_.forget(last - 1);
+  }
+  submaps_.push_back(submap);
+  attempts_.emplace_back();
+  begin_work(graph_.size() - 2);  // the newest one waits for the next, which completes its neighbourhood
+}
+
+void SubmapGraph::begin_work(int query) {
+  constexpr double kAny_m = std::numeric_limits<double>::infinity();
+  candidates_.clear();
+  next_candidate_ = 0;
+  newest_query_ = query;
+  if (query < 1) {
+    return;
+  }
+  plan(query, params_.candidates, kAny_m);
+  for (int i = 0; i < kRevisited; ++i) {
+    revisited_ = revisited_ >= query - 1 ? 0 : revisited_;
+    plan(revisited_, kRevisited_candidates, kRevisited_sd_m);
+    ++revisited_;
+  }
+  phase_ = Phase::kMatch;
+}
+
+void SubmapGraph::plan(int query, int most, double sd_max_m) {
+  graph_.project(query, projection_);
+  std::vector<Candidate> found;
+  for (int reference = 0; reference < query; ++reference) {
+    const auto at = static_cast<std::size_t>(reference);
+    const Eigen::Matrix3d& covariance = projection_.covariances[at];
+    if (projection_.costs[at] >= PoseGraph::kUnreached ||
+        (query - reference < kNeighbours && covariance(2, 2) < kNeighbours_rad2)) {
+      continue;
+    }
+    const Pose2 query_T_reference = graph_.between(query, reference);
+    const double distance_m = query_T_reference.distance_m({});
+    Candidate candidate{.reference = reference, .query = query, .sd_m = largest_sd(covariance)};
+    if (candidate.sd_m > sd_max_m || distance_m > kDeviations * candidate.sd_m + kReach_m ||
+        !is_worth_trying(query, candidate)) {
+      continue;
+    }
+    candidate.sd_rad = std::sqrt(covariance(2, 2));
+    candidate.order = distance_m / (candidate.sd_m + kDeviations);
+    candidate.covariance = inverted(covariance, query_T_reference);
+    found.push_back(candidate);
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.order < b.order; });
+  found.resize(std::min(found.size(), static_cast<std::size_t>(most)));
+  candidates_.insert(candidates_.end(), found.begin(), found.end());
+}
+
+bool SubmapGraph::is_worth_trying(int query, const Candidate& candidate) {
+  const Attempts& attempts = attempts_[static_cast<std::size_t>(query)];
+  for (std::size_t i = 0; i < attempts.count; ++i) {
+    const Attempt& before = attempts.each[i];
+    if (before.reference == candidate.reference) {
+      return before.predicted.distance_m(graph_.between(candidate.reference, query)) > kAgain_m ||
+             (candidate.sd_m < kNear_sd_m && before.sd_m >= kNear_sd_m);
+    }
+  }
+  return attempts.count < kAttempts;
+}
+
+void SubmapGraph::note_attempt(int query, const Candidate& candidate) {
+  Attempts& attempts = attempts_[static_cast<std::size_t>(query)];
+  const Attempt now{candidate.reference, graph_.between(candidate.reference, query), candidate.sd_m};
+  for (std::size_t i = 0; i < attempts.count; ++i) {
+    if (attempts.each[i].reference == candidate.reference) {
+      attempts.each[i] = now;
+      return;
+    }
+  }
+  if (attempts.count < kAttempts) {
+    attempts.each[attempts.count++] = now;
+  }
+}
+
+bool SubmapGraph::work() {
+  switch (phase_) {
+    case Phase::kIdle:
+      return false;
+    case Phase::kMatch:
+      try_next();
+      break;
+    case Phase::kVerify:
+      verify();
+      break;
+    case Phase::kSolve:
+      solve();
+      break;
+  }
+  return phase_ != Phase::kIdle;
+}
+
+void SubmapGraph::try_next() {
+  if (next_candidate_ == candidates_.size()) {
+    phase_ = has_held_back_ ? Phase::kVerify : has_accepted_ ? Phase::kSolve : Phase::kIdle;
+    return;
+  }
+  const Candidate& candidate = candidates_[next_candidate_++];
+  if (query_ != candidate.query) {
+    matcher_.set_query(world(), candidate.query);
+    query_ = candidate.query;
+  }
+  note_attempt(candidate.query, candidate);
+  const Pose2 predicted = graph_.between(candidate.reference, candidate.query);
+  SubmapSearch where{.centre = predicted, .half_m = kDeviations * candidate.sd_m + kSlack_m};
+  if (where.half_m > kSearch_max_m) {  // near the reference, for that is where they overlap
+    where.half_m = kSearch_max_m;
+    where.centre.x_m = std::clamp(predicted.x_m, -kSlack_m, kSlack_m);
+    where.centre.y_m = std::clamp(predicted.y_m, -kSlack_m, kSlack_m);
+  }
+  where.half_rad = std::clamp(kDeviations * candidate.sd_rad + kSlack_rad, 0.1,
+                              candidate.sd_rad > kLostYaw_rad ? kLostSearch_rad : kSearch_max_rad);
+  const SubmapMatch match = matcher_.match(world(), candidate.reference, where, rng_);
+  ++counts_.tried;
+  const Eigen::Vector3d error = error_between(match.reference_T_query, predicted);
+  const Eigen::Matrix3d covariance = candidate.covariance + match.covariance;
+  const bool is_credible = match.is_inside && match.agreement >= kAgreement_min && match.coverage >= kCoverage_min &&
+                           match.score >= kScore_min && error.dot(covariance.inverse() * error) < kGate_chi2;
+  if (!is_credible) {
+    return;
+  }
+  ++counts_.credible;
+  if (kDeviations * candidate.sd_m < kUnmistakable_m) {
+    accept({candidate.reference, candidate.query, match}, false);
+  } else {
+    verifier_.add({candidate.reference, candidate.query, match});
+    has_held_back_ = true;
+  }
+}
+
+void SubmapGraph::accept(const LoopCandidate& candidate, bool is_new) {
+  if (!graph_.has_room(2)) {  // one is left for the next submap's odometry
+    ++counts_.refused;
+    return;
+  }
+  graph_.add({.from = candidate.reference,
+              .to = candidate.query,
+              .from_T_to = candidate.match.reference_T_query,
+              .covariance = candidate.match.covariance,
+              .is_loop = true,
+              .is_new = is_new});
+  ++counts_.accepted;
+  has_accepted_ = true;
+}
+
+void SubmapGraph::verify() {
+  for (const LoopCandidate& each : verifier_.verify(graph_, newest_query_)) {
+    accept(each, true);
+  }
+  has_held_back_ = false;
+  phase_ = has_accepted_ ? Phase::kSolve : Phase::kIdle;
+}
+
+void SubmapGraph::solve() {
+  counts_.solve_chi2 = solver_.solve(graph_, kIterations).chi2;
+  bool again = false;
+  for (Constraint& constraint : graph_.constraints()) {
+    if (constraint.is_new && constraint.weight < kTakenOut_weight) {
+      constraint.weight = 0.0;
+      ++counts_.taken_out;
+      again = true;
+    }
+    constraint.is_new = false;
+  }
+  if (again) {
+    counts_.solve_chi2 = solver_.solve(graph_, kIterations_again).chi2;
+  }
+  has_accepted_ = false;
+  phase_ = Phase::kIdle;
+}
+
+void SubmapGraph::finish() {
+  if (!graph_.full() && graph_.has_room(1) && builder_.finish(store_)) {
+    add_submap();
+  }
+  while (work()) {
+  }
+  begin_work(graph_.size() - 1);
+  while (work()) {
+  }
+  static_cast<void>(solver_.solve(graph_, kIterations));
+}
+
+double SubmapGraph::used() const {
+  const auto share = [](std::size_t size, int most) { return static_cast<double>(size) / most; };
+  return std::max({share(submaps_.size(), params_.submaps_max),
+                   share(graph_.constraints().size(), params_.constraints_max),
+                   share(static_cast<std::size_t>(store_.size()), params_.keyframes_max)});
+}
+
+Pose2 SubmapGraph::map_T_odom() const {
+  return submaps_.empty() ? (store_.size() > 0 ? store_[0].map_T_odom : Pose2{})
+                          : graph_.poses().back() * submaps_.back().odom_T_submap.inverse();
+}
+
+std::vector<StampedPose> SubmapGraph::corrected(std::span<const StampedPose> odom) const {
+  constexpr double kLever_m = 0.3;
+  std::vector<StampedPose> out(odom.begin(), odom.end());
+  std::vector<double> travel_m(odom.size(), 0.0);
+  for (std::size_t i = 1; i < odom.size(); ++i) {
+    const Pose2 step = odom[i - 1].map_T_scan.inverse() * odom[i].map_T_scan;
+    travel_m[i] = travel_m[i - 1] + step.distance_m({}) + kLever_m * std::abs(step.yaw_rad);
+  }
+  if (submaps_.empty()) {
+    return out;
+  }
+  const auto seen_from = [&](std::size_t submap, const Pose2& odom_T_scan) {
+    return graph_.pose(static_cast<int>(submap)) * (submaps_[submap].odom_T_submap.inverse() * odom_T_scan);
+  };
+  std::size_t at = 0;
+  double from_m = 0.0;  // travel at the origins of this submap and the next
+  double to_m = 0.0;
+  for (std::size_t i = 0; i < odom.size(); ++i) {
+    while (at + 1 < submaps_.size() && odom[i].stamp_ns == submaps_[at + 1].origin_stamp_ns) {
+      ++at;
+      from_m = travel_m[i];
+      to_m = from_m;
+      for (std::size_t k = i; k < odom.size() && at + 1 < submaps_.size(); ++k) {
+        if (odom[k].stamp_ns == submaps_[at + 1].origin_stamp_ns) {
+          to_m = travel_m[k];
+          break;
+        }
+      }
+    }
+    const Pose2 before = seen_from(at, odom[i].map_T_scan);
+    out[i].map_T_scan = before;
+    if (at + 1 < submaps_.size() && to_m > from_m) {
+      const Pose2 after = seen_from(at + 1, odom[i].map_T_scan);
+      const double share = (travel_m[i] - from_m) / (to_m - from_m);
+      out[i].map_T_scan = {before.x_m + share * (after.x_m - before.x_m), before.y_m + share * (after.y_m - before.y_m),
+                           wrap_angle(before.yaw_rad + share * wrap_angle(after.yaw_rad - before.yaw_rad))};
+    }
+  }
+  return out;
+}
+
+}  // namespace odoless

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geometry/stamped_pose.hpp"
+#include "core/graph/graph_params.hpp"
+#include "core/graph/graph_solver.hpp"
+#include "core/graph/keyframe_store.hpp"
+#include "core/graph/loop_verifier.hpp"
+#include "core/graph/pose_graph.hpp"
+#include "core/graph/submap_builder.hpp"
+#include "core/graph/submap_matcher.hpp"
+
+namespace odoless {
+
+/// The world as a pose graph of submaps, from laser odometry alone: closes loops of any size, and says where the odom
+/// frame lies in the map frame. Recipe: the study of 2026, core/graph/README.md.
+///
+/// When a submap ends, the one before it, whose neighbours are then complete, is matched with older ones that may
+/// overlap it by what the odometry may have drifted. A match is taken at once where it cannot be another place, else
+/// when others agree with it. Then the graph is solved.
+///
+/// Frames: map, which is where the first keyframe has it (REP 105). odom never jumps; map_T_odom does, at a correction.
+/// Thread: owned by one thread. Not for real-time threads. The same scans, motions and random seed give the same bytes.
+class SubmapGraph {
+ public:
+  /// What has come of the matches.
+  struct Counts {
+    std::int64_t tried = 0;
+    std::int64_t credible = 0;
+    std::int64_t accepted = 0;
+    std::int64_t taken_out = 0;  ///< accepted, then contradicted by the rest of the graph
+    std::int64_t refused = 0;    ///< for want of room
+    double solve_chi2 = 0.0;
+  };
+
+  SubmapGraph(const GraphParams& params, const RobotLimits& limits, const ScanParams& scan, std::uint64_t seed);
+
+  /// Every keyframe. @return  Whether there is work.
+  bool add(const Keyframe& keyframe, std::span<const BeamCode> codes);
+  /// One step of the work: a match, a verification or a solution. @return  Whether there is more.
+  bool work();
+  /// Ends the submap that has begun and does all work: when a run is over.
+  void finish();
+
+  [[nodiscard]] Pose2 map_T_odom() const;
+  [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
+  [[nodiscard]] const PoseGraph& graph() const { return graph_; }
+  [[nodiscard]] const KeyframeStore& keyframes() const { return store_; }
+  [[nodiscard]] SubmapWorld world() const { return {store_, graph_, submaps_}; }
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+  /// Share of the fullest pool, 0 to 1: submaps, constraints, keyframes.
+  [[nodiscard]] double used() const;
+  /// Where each of these poses was, as known now: between two submaps' origins a correction goes in with the travel.
+  /// @param odom  odom_T_scan of all scans in their order, keyframes and others.
+  [[nodiscard]] std::vector<StampedPose> corrected(std::span<const StampedPose> odom) const;
+
+ private:
+  enum class Phase : std::uint8_t { kIdle, kMatch, kVerify, kSolve };
+
+  struct Attempt {
+    int reference = -1;
+    Pose2 predicted{};  ///< reference_T_query at that time
+    double sd_m = 0.0;
+  };
+  static constexpr std::size_t kAttempts = 48;  ///< older submaps that one is matched with in all
+  struct Attempts {
+    std::array<Attempt, kAttempts> each;
+    std::size_t count = 0;
+  };
+  struct Candidate {
+    int reference = 0;
+    int query = 0;
+    double sd_m = 0.0;
+    double sd_rad = 0.0;
+    double order = 0.0;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of reference_T_query as projected
+  };
+
+  void add_submap();
+  /// Plans the matches of a submap, and of a few older ones.
+  void begin_work(int query);
+  /// Appends the candidates of a submap.
+  void plan(int query, int most, double sd_max_m);
+  [[nodiscard]] bool is_worth_trying(int query, const Candidate& candidate);
+  void note_attempt(int query, const Candidate& candidate);
+  void try_next();
+  void accept(const LoopCandidate& candidate, bool is_new);
+  void verify();
+  void solve();
+
+  GraphParams params_;
+  RobotLimits limits_;
+  Rng rng_;
+  KeyframeStore store_;
+  SubmapBuilder builder_;
+  std::vector<Submap> submaps_;
+  PoseGraph graph_;
+  SubmapMatcher matcher_;
+  LoopVerifier verifier_;
+  GraphSolver solver_;
+  std::vector<Attempts> attempts_;  ///< per submap
+  PoseGraph::Projection projection_;
+  std::vector<Candidate> candidates_;
+  std::size_t next_candidate_ = 0;
+  int query_ = -1;  ///< that the matcher has
+  int newest_query_ = -1;
+  int revisited_ = 0;
+  bool has_held_back_ = false;
+  bool has_accepted_ = false;
+  Phase phase_ = Phase::kIdle;
+  Counts counts_;
+};
+
+}  // namespace odoless

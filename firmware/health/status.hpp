@@ -1,0 +1,33 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "firmware/records/health.hpp"
+#include "firmware/records/records.hpp"
+
+namespace odoless {
+
+/// The known part of the map.
+struct MapSize {
+  double width_m = 0.0;
+  double height_m = 0.0;
+  double cell_size_m = 0.0;
+};
+
+/// All that a person asks of a daemon at a glance.
+struct DaemonStatus {
+  HealthReport health;
+  std::optional<PoseRecord> pose{};  ///< the last one; none yet, or the filter runs elsewhere
+  MapSize map{};
+  double poses_hz = 0.0;  ///< published, over the last second
+};
+
+/// A few lines for a person: the state with its reasons first.
+[[nodiscard]] std::string status_text(const DaemonStatus& status);
+
+/// The same and more for programs; keys bear their units.
+[[nodiscard]] nlohmann::ordered_json status_json(const DaemonStatus& status);
+
+}  // namespace odoless

@@ -1,0 +1,153 @@
+#include "firmware/publisher/graph_feed.hpp"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "core/graph/world_map.hpp"
+#include "firmware/threads/round.hpp"
+#include "rt/cpu_clock.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr int kNice = 10;
+constexpr std::int64_t kRest = 3;  // times the CPU time of a step
+
+}  // namespace
+
+GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossless)
+    : params_(params),
+      seed_(seed),
+      lossless_(lossless),
+      jobs_(kJobs),
+      thread_({.name = "odo-graph", .stack_bytes = kStack_bytes}) {
+  begin_anew();
+  // Memory that was used once stays with the process (MemoryLock): what a step takes for a while is there already.
+  std::vector<std::byte> scratch(kScratch_bytes);
+  static_cast<volatile std::byte&>(scratch.back()) = {};
+  for (Job& job : jobs_) {
+    job.codes.reserve(static_cast<std::size_t>(params.graph.keyframe_beams_max));
+  }
+}
+
+int GraphFeed::start() {
+  return thread_.start([this] { run(); });
+}
+
+GraphFeed::~GraphFeed() {
+  {
+    const std::lock_guard lock(queue_mutex_);
+    is_ending_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.started()) {
+    thread_.join();
+  }
+}
+
+void GraphFeed::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
+  std::unique_lock lock(queue_mutex_);
+  if (lossless_) {
+    changed_.wait(lock, [this] { return waiting() < kJobs; });
+  }
+  if (waiting() == kJobs) {
+    ++left_out_;
+    since_left_out_ = since_left_out_.then(keyframe.since_last);
+    return;
+  }
+  Job& job = jobs_[pushed_ % kJobs];
+  job.keyframe = keyframe;
+  job.keyframe.since_last = std::exchange(since_left_out_, {}).then(keyframe.since_last);
+  job.codes.assign(codes.begin(), codes.end());
+  ++pushed_;
+  lock.unlock();
+  changed_.notify_all();
+}
+
+void GraphFeed::run() {
+  static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice));
+  bool has_work = false;
+  while (true) {
+    {
+      std::unique_lock lock(queue_mutex_);
+      is_busy_ = has_work;
+      changed_.notify_all();
+      changed_.wait(lock, [&] { return has_work || waiting() > 0 || is_ending_; });
+      if (is_ending_) {
+        return;
+      }
+      is_busy_ = true;
+    }
+    const std::int64_t start_ns = thread_cpu_ns();
+    has_work = take() || has_work;
+    {
+      const std::lock_guard lock(graph_mutex_);
+      has_work = graph_->work();
+    }
+    if (!lossless_ && !is_hurried_) {
+      sleep_ns(kRest * (thread_cpu_ns() - start_ns));
+    }
+  }
+}
+
+bool GraphFeed::take() {
+  bool has_work = false;
+  while (true) {
+    std::unique_lock lock(queue_mutex_);
+    if (waiting() == 0) {
+      break;
+    }
+    const Job& job = jobs_[taken_ % kJobs];  // nobody writes it while it waits
+    lock.unlock();
+    {
+      const std::lock_guard graph_lock(graph_mutex_);
+      if (job.keyframe.map_number != map_number_) {
+        map_number_ = job.keyframe.map_number;
+        begin_anew();
+      }
+      has_work = graph_->add(job.keyframe, job.codes) || has_work;
+    }
+    lock.lock();
+    ++taken_;
+    const SubmapGraph::Counts& counts = graph_->counts();
+    report_ = {graph_->map_T_odom(), static_cast<std::int64_t>(graph_->submaps().size()),
+               counts.accepted - counts.taken_out, left_out_, graph_->used()};
+    lock.unlock();
+    changed_.notify_all();
+  }
+  return has_work;
+}
+
+void GraphFeed::begin_anew() { graph_.emplace(params_.graph, params_.limits, params_.scan, seed_); }
+
+GraphFeed::Report GraphFeed::report() const {
+  const std::lock_guard lock(queue_mutex_);
+  return report_;
+}
+
+bool GraphFeed::write(std::span<const StampedPose> odom, bool is_last, std::vector<StampedPose>& trajectory,
+                      OccupancyMap& map) {
+  if (is_last && thread_.started()) {
+    is_hurried_ = true;
+    std::unique_lock lock(queue_mutex_);
+    changed_.wait(lock, [this] { return waiting() == 0 && !is_busy_; });
+  }
+  const std::lock_guard lock(graph_mutex_);
+  if (is_last) {
+    graph_->finish();
+  }
+  if (graph_->submaps().empty()) {
+    return false;
+  }
+  trajectory = graph_->corrected(odom);
+  WorldMap world(params_.slam.low.beam, params_.slam.low.grid.resolution_m);
+  world.render(graph_->world(), params_.scan);
+  world.write(map);
+  return true;
+}
+
+}  // namespace odoless

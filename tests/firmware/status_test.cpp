@@ -1,0 +1,67 @@
+#include "firmware/health/status.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+namespace odoless {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+DaemonStatus lost_status() {
+  DaemonStatus status;
+  status.health.state = HealthState::kLost;
+  status.health.reasons = kReasonDiverged | kReasonOverload;
+  status.health.pose_probability = 0.125;
+  status.health.lrf.rate_hz = 39.9;
+  status.health.lrf.dropped = 7;
+  PoseRecord pose;
+  pose.stamp_ns = 1'500'000'000;
+  pose.map_T_scan = {1.25, -2.5, std::numbers::pi / 2.0};
+  pose.covariance = {0.04, 0.0, 0.0, 0.0, 0.09, 0.0, 0.0, 0.0, std::numbers::pi * std::numbers::pi / 32'400.0};
+  status.pose = pose;
+  status.map = {.width_m = 40.0, .height_m = 25.0, .cell_size_m = 0.05};
+  status.poses_hz = 38.0;
+  return status;
+}
+
+TEST(Status, TellsAPersonStatePoseMapAndRates) {
+  const std::string text = status_text(lost_status());
+  EXPECT_THAT(text, StartsWith("LOST: scans do not fit to the map, scans or records are dropped"));
+  EXPECT_THAT(text,
+              HasSubstr("pose: x 1.25 m, y -2.50 m, yaw 90.0 deg; standard deviations 0.20 m, 0.30 m, 1.0 deg\n"));
+  EXPECT_THAT(text, HasSubstr("pose right within 0.5 m and 5 deg: 12.5 %\n"));
+  EXPECT_THAT(text, HasSubstr("map: 40.0 m by 25.0 m, cells of 0.05 m"));
+  EXPECT_THAT(text, HasSubstr("7 dropped"));
+  EXPECT_THAT(text, HasSubstr("39.9 Hz"));
+  EXPECT_THAT(text, HasSubstr("poses 38.0 Hz"));
+}
+
+TEST(Status, TellsAProgramTheSame) {
+  const auto json = nlohmann::json::parse(status_json(lost_status()).dump());
+  EXPECT_EQ(json["state"], "LOST");
+  EXPECT_EQ(json["reasons"].size(), 2U);
+  EXPECT_EQ(json["reasons"][0], "scans do not fit to the map");
+  EXPECT_EQ(json["pose_probability"], 0.125);
+  EXPECT_EQ(json["pose"]["stamp_s"], 1.5);
+  EXPECT_EQ(json["pose"]["x_m"], 1.25);
+  EXPECT_DOUBLE_EQ(json["pose"]["yaw_deg"], 90.0);
+  EXPECT_DOUBLE_EQ(json["pose"]["sd_y_m"], 0.3);
+  EXPECT_EQ(json["map"]["width_m"], 40.0);
+  EXPECT_EQ(json["rates"]["scans_hz"], 39.9);
+  EXPECT_EQ(json["scans"]["dropped"], 7);
+  EXPECT_FALSE(json.contains("cloud"));
+}
+
+TEST(Status, BeforeTheFirstPoseThereIsNone) {
+  EXPECT_THAT(status_text({}), HasSubstr("pose: none yet\n"));
+  EXPECT_TRUE(status_json({})["pose"].is_null());
+  EXPECT_EQ(status_json({})["state"], "INIT");
+}
+
+}  // namespace
+}  // namespace odoless
