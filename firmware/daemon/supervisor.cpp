@@ -62,12 +62,12 @@ Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t s
 int Supervisor::run() {
   notify_service_manager("READY=1");
   while (!ending_ && !machine_.has_ended()) {
+    if (!watch()) {  // before anybody is answered: an emergency stop is told of from the first status on
+      end_without_stages();
+    }
     wait();
     keep_laser_open();
     keep_tilt_open();
-    if (!watch()) {
-      end_without_stages();
-    }
   }
   return end();
 }
@@ -199,7 +199,7 @@ bool Supervisor::watch() {
   silent_ns_ = silent == nullptr ? 0 : silent_ns_ + kWatch_ns;
   surroundings_.stage_silent = silent_ns_ > 0 && silent_ns_ + kWatch_ns > options_.params.pipeline.watchdog_ns / 2;
   follow_gpio();
-  machine_.publisher().set_surroundings(surroundings_);
+  machine_.publisher().set_surroundings(surroundings_, now_ns);
   if (silent_ns_ == 0) {
     notify_service_manager(fmt::format("WATCHDOG=1\nSTATUS={}", state_sentence(machine_.publisher().health())));
   }

@@ -224,9 +224,10 @@ void Publisher::publish_overview(std::int64_t now_ns) {
   }
 }
 
-void Publisher::set_surroundings(const Surroundings& surroundings) {
+void Publisher::set_surroundings(const Surroundings& surroundings, std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   surroundings_ = surroundings;
+  watch(now_ns);
 }
 
 void Publisher::set_health_params(const HealthParams& params) {

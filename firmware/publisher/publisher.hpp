@@ -54,8 +54,8 @@ class Publisher {
   /// Takes all that waits; to be called every few milliseconds, and once when the other threads have ended.
   void round(std::int64_t now_ns);
 
-  /// Any thread: what the supervisor knows.
-  void set_surroundings(const Surroundings& surroundings);
+  /// Any thread: what the supervisor knows, which the report holds from now on.
+  void set_surroundings(const Surroundings& surroundings, std::int64_t now_ns);
   /// Any thread: new limits.
   void set_health_params(const HealthParams& params);
   /// Any thread: the last report.
