@@ -20,11 +20,16 @@ struct ReferenceParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
+    describe_first_try(self, visit);
+    visit.value("wide_cell_size_m", self.wide_cell_size_m, Range{0.0, 20.0},
+                "Side of an NDT cell when a poor match is tried again; 0: the blurred raster serves.");
+  }
+  /// All but what serves a second try.
+  template <class Self, class Visitor>
+  static void describe_first_try(Self& self, Visitor& visit) {
     visit.group("ndt", self.ndt, "The Normal Distributions Transform that the last step climbs.");
     visit.group("fine", self.fine, "Raster that the second half of the search looks up.");
     visit.group("coarse", self.coarse, "Blurred raster that the first half of the search looks up.");
-    visit.value("wide_cell_size_m", self.wide_cell_size_m, Range{0.0, 20.0},
-                "Side of an NDT cell when a poor match is tried again; 0: the blurred raster serves.");
     visit.value("thinning_m", self.thinning_m, Range{0.0, 1.0},
                 "Arc length per point, so that near walls do not outvote the rest; 0 keeps all.");
     visit.value("free_margin_m", self.free_margin_m, Range{0.0, 2.0},

@@ -138,6 +138,6 @@ std::vector<Scene> scenes() {
 
 }  // namespace
 
-KeyClass gpio_class() { return {"gpio", {"gpio."}, scenes}; }
+KeyClass gpio_class() { return {"gpio", {"gpio."}, scenes, lack_of_real_time}; }
 
 }  // namespace odoless::test

@@ -23,10 +23,14 @@ struct KeyClass {
   std::string name;
   std::vector<std::string> prefixes;           ///< of the keys; of two that fit, the longer one counts
   std::function<std::vector<Scene>()> scenes;  ///< tried one after the other
-  bool needs_network = false;
+  /// Why this machine cannot show them; empty: it can.
+  std::function<std::string()> lack = [] { return std::string(); };
 };
 
-/// Odometry from scan matching and the particle filter, by what a replay and `odoless match` write.
+/// Why threads have no priority of their own here; empty: they can.
+[[nodiscard]] std::string lack_of_real_time();
+
+/// Odometry from scan matching, the particle filter and the pose graph, by what a replay and `odoless match` write.
 [[nodiscard]] std::vector<KeyClass> slam_classes();
 /// The 3D map, by what `odoless cloud` writes.
 [[nodiscard]] KeyClass mapping_class();
@@ -40,6 +44,8 @@ struct KeyClass {
 [[nodiscard]] std::vector<KeyClass> publisher_classes();
 /// GPIO, by what is on the lines.
 [[nodiscard]] KeyClass gpio_class();
+/// The page, by what a browser is answered.
+[[nodiscard]] KeyClass web_class();
 
 [[nodiscard]] std::vector<KeyClass> key_classes();
 

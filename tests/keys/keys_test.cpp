@@ -7,7 +7,6 @@
 
 #include "config/config.hpp"
 #include "tests/keys/key_class.hpp"
-#include "tests/support/private_network.hpp"
 
 // Every key of the configuration does something that a user can see: changed, it changes what comes out, or is refused
 // with a message. The keys are the program's own list, that of `odoless config reference`.
@@ -108,8 +107,8 @@ class KeysOf : public ::testing::TestWithParam<int> {};
 
 TEST_P(KeysOf, ThisClassEachChangeWhatAUserSees) {
   const KeyClass& tested = all_classes()[static_cast<std::size_t>(GetParam())];
-  if (tested.needs_network) {
-    ODOLESS_NEEDS_NETWORK();
+  if (const std::string lack = tested.lack(); !lack.empty()) {
+    GTEST_SKIP() << lack;
   }
   const std::vector<Scene> scenes = tested.scenes();
   std::vector<Stage> stages(scenes.begin(), scenes.end());

@@ -46,8 +46,7 @@ class LaserBench {
     EXPECT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends.data()), 0);
     near_ = FileDescriptor(ends[0]);
     far_ = FileDescriptor(ends[1]);
-    line_.in_use = true;
-    line_.offered = near_.get();
+    line_.offer(near_.get());
     source_.attach(gpio_, params.gpio.sync_line.empty() ? std::nullopt : std::optional(params.gpio.sync_delay_ns));
   }
 
@@ -109,6 +108,7 @@ std::vector<Scene> scenes() {
           session_with("lms200", "driver = \"sick\"\nsick_variant = \"180/1\"\n", "", 20 * kSecond_ns),
           session_with("rplidar-a2", "driver = \"rplidar\"\n"),
           session_with("ld19", "driver = \"ldrobot\"\nbaud = 230400\n"),
+          session_with("ydlidar-x4", "driver = \"ydlidar\"\nbaud = 128000\n"),
           session_with("utm-30lx", "driver = \"scip\"\n", "silence@1:0.7"),
           opening()};
 }

@@ -245,7 +245,7 @@ std::vector<Scene> health_scenes() {
 }  // namespace
 
 std::vector<KeyClass> publisher_classes() {
-  return {{"network", {"lcm.", "lrf.channel"}, network_scenes, true},
+  return {{"network", {"lcm.", "lrf.channel"}, network_scenes, enter_private_network},
           {"recorder", {"recorder."}, recorder_scenes},
           {"health", {"health.", "lcm.overview"}, health_scenes}};
 }

@@ -7,6 +7,7 @@
 #include "firmware/stages/stage_chain.hpp"
 #include "tests/keys/key_class.hpp"
 #include "tools/command/error.hpp"
+#include "tools/output/g2o.hpp"
 #include "tools/output/matches.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/sim/path.hpp"
@@ -48,6 +49,8 @@ free_no_return_m = 2.0
 width_m = 24.0
 height_m = 24.0
 tiles_max = 400
+[graph]
+enabled = false
 )";
 
 constexpr const char* kHigh = R"(
@@ -142,7 +145,7 @@ std::string replayed(const ScanLog& log, const DaemonParams& params) {
     return text_of(result.trajectory) + text_of(result.online_trajectory) + text_of(result.matches) +
            fmt::format("{} {} {} {} {} {}\n", result.lost_scans, result.doubtful_scans, result.relocalisations,
                        result.outside_scans, result.map.width_cells, result.map.height_cells) +
-           map;
+           (result.graph ? format_g2o(*result.graph) : "") + map;
   } catch (const UserError& refusal) {
     return refusal.what();
   }
@@ -190,6 +193,11 @@ std::vector<Scene> tracking_scenes() {
 
 std::vector<Scene> high_scenes() { return {replay_of("segments", Recording(kRoom).drive(6.0, 0.2), {kFast, kHigh})}; }
 
+std::vector<Scene> graph_scenes() {
+  const std::string often = "[graph]\nenabled = true\nsubmap_travel_m = 3.0\nsubmap_keyframes = 8\n";
+  return {replay_of("loop", Recording(kRectangle).drive(28.0, 0.2), {kFast, often})};
+}
+
 std::vector<Scene> recovery_scenes() {
   const std::string soon = "recovery.search = { found_after_s = 1.0, found_fit = 0.3, global.step_deg = 12 }";
   const std::string roughly =
@@ -207,6 +215,7 @@ std::vector<Scene> recovery_scenes() {
 std::vector<KeyClass> slam_classes() {
   return {{"slam", {"robot.", "scan.", "matcher.", "odometry.", "gate.", "slam.low."}, tracking_scenes},
           {"high_level", {"slam.high."}, high_scenes},
+          {"graph", {"graph."}, graph_scenes},
           {"recovery", {"recovery."}, recovery_scenes}};
 }
 

@@ -218,12 +218,16 @@ std::vector<Scene> pipeline_scenes() {
 std::vector<KeyClass> thread_classes() {
   const auto daemon_scenes = [] { return std::vector<Scene>{daemon_in(std::make_shared<TemporaryFolder>())}; };
   const auto memory_scenes = [] {
-    return std::vector<Scene>{{"memory", {kLittle, "scan.beams_max = 2048\nslam.high.particles = 10"}, reserved}};
+    return std::vector<Scene>{{"memory",
+                               {kLittle, "scan.beams_max = 2048\nslam.high.particles = 10",
+                                "graph = { keyframes_max = 2000, references = 1 }"},
+                               reserved}};
   };
-  return {{"pipeline", {"pipeline.", "lcm.map_refresh"}, pipeline_scenes},
+  return {{"pipeline", {"pipeline.", "lcm.map_refresh"}, pipeline_scenes, lack_of_real_time},
           {"daemon", {"pipeline.watchdog", "control.", "mapping.enabled", "mapping.save_as"}, daemon_scenes},
           {"memory",
-           {"pipeline.scan_queue", "pipeline.motion_queue", "slam.low.path_records_max", "slam.high.path_records_max"},
+           {"pipeline.scan_queue", "pipeline.motion_queue", "slam.low.path_records_max", "slam.high.path_records_max",
+            "graph.submaps_max", "graph.constraints_max", "graph.keyframes_max", "graph.references"},
            memory_scenes}};
 }
 

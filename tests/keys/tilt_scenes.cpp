@@ -44,8 +44,7 @@ std::string served(const TiltParams& params, const std::vector<Fault>& faults, s
   const FileDescriptor near(ends[0]);
   const FileDescriptor far(ends[1]);
   LineHandover line;
-  line.in_use = true;
-  line.offered = near.get();
+  line.offer(near.get());
   TiltSource source(params, line);
   const std::unique_ptr<EmulatedServo> servo = servo_of(params.driver, faults);
   Transcript heard;
