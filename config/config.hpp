@@ -21,6 +21,7 @@ void load_entries(std::string_view toml, std::string_view source, std::span<cons
 
 /// What `write_toml` and `write_reference` are made of.
 [[nodiscard]] std::string entries_to_toml(std::span<const Entry> entries);
+[[nodiscard]] std::string entries_to_template(std::span<const Entry> entries, std::span<const std::string_view> keys);
 [[nodiscard]] std::string entries_to_reference(std::span<const Entry> entries);
 
 /// Overrides members of `params` by the keys of a TOML text; what the text doesn't name stays as it is.
@@ -45,6 +46,14 @@ template <class Params>
 [[nodiscard]] std::string write_toml(const Params& params) {
   Params copy = params;
   return entries_to_toml(entries_of(copy));
+}
+
+/// A configuration file for people to begin with: of these keys alone meaning, range and value, as comments. As it is
+/// it changes nothing.
+template <class Params>
+[[nodiscard]] std::string write_template(const Params& params, std::span<const std::string_view> keys) {
+  Params copy = params;
+  return entries_to_template(entries_of(copy), keys);
 }
 
 /// A Markdown table of all keys: type, default (the value in `params`), range, unit, meaning.

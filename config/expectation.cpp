@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstddef>
 #include <variant>
 #include <vector>
@@ -23,10 +24,22 @@ std::string real_text(double value) {
   return text;
 }
 
+/// What has more digits than somebody would write, with `digits`, which `round` (std::floor and the like) leaves.
+double shortened(double value, int digits, double (*round)(double)) {
+  constexpr std::size_t kLongest = 8;  // with sign and point
+  if (fmt::format("{}", value).size() <= kLongest) {
+    return value;
+  }
+  const int decimals = digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
+  const double unit = std::pow(10.0, std::abs(decimals));
+  return decimals > 0 ? round(value * unit) / unit : round(value / unit) * unit;
+}
+
 // Ranges are read by people: 20, not 20.0.
-std::string bound_text(const Entry::Value& bound) {
+std::string bound_text(const Entry::Value& bound, double (*inwards)(double)) {
+  constexpr int kDigits = 3;
   const auto* const real = std::get_if<double>(&bound);
-  return real != nullptr ? fmt::format("{}", *real) : value_text(bound);
+  return real != nullptr ? fmt::format("{}", shortened(*real, kDigits, inwards)) : value_text(bound);
 }
 
 // A right name in the wrong table is nearer than most misspellings.
@@ -60,6 +73,12 @@ std::string value_text(const Entry::Value& value) {
   return quoted(std::get<std::string>(value));
 }
 
+std::string short_text(const Entry::Value& value) {
+  constexpr int kDigits = 4;
+  const auto* const real = std::get_if<double>(&value);
+  return value_text(real != nullptr ? shortened(*real, kDigits, std::round) : value);
+}
+
 std::string range_text(const Entry& entry) {
   if (!entry.names.empty()) {
     return fmt::format("\"{}\"", fmt::join(entry.names, "\" or \""));
@@ -67,7 +86,7 @@ std::string range_text(const Entry& entry) {
   if (std::holds_alternative<bool>(entry.get()) || is_text(entry)) {
     return {};
   }
-  return fmt::format("{} to {}", bound_text(entry.min), bound_text(entry.max));
+  return fmt::format("{} to {}", bound_text(entry.min, std::ceil), bound_text(entry.max, std::floor));
 }
 
 std::string expectation(const Entry& entry) {

@@ -11,7 +11,11 @@ namespace odoless {
 /// A value as TOML writes it; a real number always as one.
 [[nodiscard]] std::string value_text(const Entry::Value& value);
 
+/// The same to be read and not to be kept: a number of many digits, as an angle's that is round in radians, has four.
+[[nodiscard]] std::string short_text(const Entry::Value& value);
+
 /// The range of an entry or its choices, for people: "0.1 to 20", or "rand1" or "best1"; empty for a flag and a text.
+/// An end of many digits has three, and lies within.
 [[nodiscard]] std::string range_text(const Entry& entry);
 
 /// What would be right, to stand behind "must be".

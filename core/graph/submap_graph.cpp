@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/graph/trajectory_correction.hpp"
+
 namespace odoless {
 namespace {
 
@@ -274,44 +276,11 @@ Pose2 SubmapGraph::map_T_odom() const {
 }
 
 std::vector<StampedPose> SubmapGraph::corrected(std::span<const StampedPose> odom) const {
-  constexpr double kLever_m = 0.3;
-  std::vector<StampedPose> out(odom.begin(), odom.end());
-  std::vector<double> travel_m(odom.size(), 0.0);
-  for (std::size_t i = 1; i < odom.size(); ++i) {
-    const Pose2 step = odom[i - 1].map_T_scan.inverse() * odom[i].map_T_scan;
-    travel_m[i] = travel_m[i - 1] + step.distance_m({}) + kLever_m * std::abs(step.yaw_rad);
-  }
-  if (submaps_.empty()) {
-    return out;
-  }
-  const auto seen_from = [&](std::size_t submap, const Pose2& odom_T_scan) {
-    return graph_.pose(static_cast<int>(submap)) * (submaps_[submap].odom_T_submap.inverse() * odom_T_scan);
-  };
-  std::size_t at = 0;
-  double from_m = 0.0;  // travel at the origins of this submap and the next
-  double to_m = 0.0;
-  for (std::size_t i = 0; i < odom.size(); ++i) {
-    while (at + 1 < submaps_.size() && odom[i].stamp_ns == submaps_[at + 1].origin_stamp_ns) {
-      ++at;
-      from_m = travel_m[i];
-      to_m = from_m;
-      for (std::size_t k = i; k < odom.size() && at + 1 < submaps_.size(); ++k) {
-        if (odom[k].stamp_ns == submaps_[at + 1].origin_stamp_ns) {
-          to_m = travel_m[k];
-          break;
-        }
-      }
-    }
-    const Pose2 before = seen_from(at, odom[i].map_T_scan);
-    out[i].map_T_scan = before;
-    if (at + 1 < submaps_.size() && to_m > from_m) {
-      const Pose2 after = seen_from(at + 1, odom[i].map_T_scan);
-      const double share = (travel_m[i] - from_m) / (to_m - from_m);
-      out[i].map_T_scan = {before.x_m + share * (after.x_m - before.x_m), before.y_m + share * (after.y_m - before.y_m),
-                           wrap_angle(before.yaw_rad + share * wrap_angle(after.yaw_rad - before.yaw_rad))};
-    }
-  }
-  return out;
+  std::vector<StampedPose> poses(odom.begin(), odom.end());
+  TrajectoryCorrection correction(submaps_, graph_);
+  correction.survey(odom);
+  correction.correct(poses);
+  return poses;
 }
 
 }  // namespace odoless

@@ -17,7 +17,7 @@
 namespace odoless {
 
 /// The world as a pose graph of submaps, from laser odometry alone: closes loops of any size, and says where the odom
-/// frame lies in the map frame. Recipe: the study of 2026, core/graph/README.md.
+/// frame lies in the map frame. How: core/graph/README.md.
 ///
 /// When a submap ends, the one before it, whose neighbours are then complete, is matched with older ones that may
 /// overlap it by what the odometry may have drifted. A match is taken at once where it cannot be another place, else
@@ -55,7 +55,7 @@ class SubmapGraph {
   /// Share of the fullest pool, 0 to 1: submaps, constraints, keyframes.
   [[nodiscard]] double used() const;
   /// Where each of these poses was, as known now: between two submaps' origins a correction goes in with the travel.
-  /// @param odom  odom_T_scan of all scans in their order, keyframes and others.
+  /// @param odom  odom_T_scan of all scans in their order, keyframes and others; some may lack.
   [[nodiscard]] std::vector<StampedPose> corrected(std::span<const StampedPose> odom) const;
 
  private:

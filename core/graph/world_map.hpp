@@ -1,20 +1,18 @@
 #pragma once
 
-#include <cstddef>
-#include <memory>
+#include <cstdint>
 #include <vector>
 
 #include "core/graph/submap_matcher.hpp"
 #include "core/grid/cell.hpp"
 #include "core/grid/grid_cell.hpp"
-#include "core/grid/grid_geometry.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "core/slam/beam_model.hpp"
 
 namespace odoless {
 
-/// The occupancy grid of a world, rendered from its keyframes at the poses that their submaps have now. As large as the
-/// world is; memory for the tiles that a beam has crossed alone.
+/// The occupancy grid of a world, rendered from its keyframes at the poses that their submaps have now: piece by piece,
+/// each from all beams that cross it, so that a world of any size takes the memory of one piece and of the result.
 ///
 /// Frames: map. Thread: owned by one thread. Not for real-time threads: it allocates.
 class WorldMap {
@@ -23,27 +21,38 @@ class WorldMap {
   /// @param resolution_m  A cell's side; of a world of more than 10^8 cells it is doubled until there are fewer.
   WorldMap(const BeamModelParams& beam, double resolution_m) : beam_(beam), resolution_m_(resolution_m) {}
 
-  /// Adds every keyframe of the world. @param scan  Its ranges beyond `range_max_m` are no returns.
+  /// Every keyframe of the world. @param scan  Its ranges beyond `range_max_m` are no returns.
   void render(const SubmapWorld& world, const ScanParams& scan);
   /// What was rendered, cut to the known part; no cell where nothing is known.
-  void write(OccupancyMap& map) const;
-
-  /// For BeamModel::integrate.
-  [[nodiscard]] Cell& at(const GridCell& cell);
+  void write(OccupancyMap& map) const { map = map_; }
 
  private:
-  static constexpr int kTileBits = 6;
-  static constexpr int kTileSide_cells = 1 << kTileBits;
-  using Tile = std::vector<Cell>;
+  static constexpr int kPieceBits = 9;
+  static constexpr int kPieceSide_cells = 1 << kPieceBits;
 
-  void cover(const SubmapWorld& world);
-  [[nodiscard]] const Tile* tile(int column, int row) const;
+  /// A submap whose beams may reach a piece.
+  struct Reach {
+    std::int32_t row = 0;  ///< of the piece
+    std::int32_t column = 0;
+    std::int32_t submap = 0;
+    friend auto operator<=>(const Reach&, const Reach&) = default;
+  };
+  /// One piece's cells. What is asked for outside of it goes nowhere.
+  class Piece;
+
+  [[nodiscard]] std::vector<Reach> find_reaches(const SubmapWorld& world);
+  void add(const SubmapWorld& world, int submap, ScanFrame& frame, Piece& piece) const;
+  /// Makes room for all pieces.
+  void cover(const std::vector<Reach>& reaches);
+  void take(const Piece& piece);
+  /// Leaves away rows and columns of which nothing is known.
+  void cut();
 
   BeamModelParams beam_;
   double resolution_m_;
-  GridGeometry geometry_;
-  int side_tiles_ = 0;
-  std::vector<std::unique_ptr<Tile>> tiles_;
+  int first_column_ = 0;  ///< of the map, in cells from the map frame's origin
+  int first_row_ = 0;
+  OccupancyMap map_;
 };
 
 }  // namespace odoless

@@ -17,6 +17,12 @@ std::uint32_t tiles_over(double extent_m, double resolution_m) {
 
 int cells_of(std::uint32_t tiles) { return static_cast<int>(tiles) * AncestryGrid::kTileSide_cells; }
 
+/// Column or row of tiles modulo those of the window.
+std::uint32_t place(int tile, std::uint32_t tiles) {
+  const int rest = tile % static_cast<int>(tiles);
+  return static_cast<std::uint32_t>(rest < 0 ? rest + static_cast<int>(tiles) : rest);
+}
+
 }  // namespace
 
 AncestryGrid::AncestryGrid(const AncestryGridParams& params, int particles_max)
@@ -38,6 +44,7 @@ AncestryGrid::AncestryGrid(const AncestryGridParams& params, int particles_max)
   answers_of_tile_.resize(tiles);
   answered_.reserve(tiles);
   answers_.resize(tiles * leaves_max_);
+  written_m_.resize(tiles);
   reset();
 }
 
@@ -52,7 +59,63 @@ void AncestryGrid::reset() {
     free_.push_back(version);
   }
   counters_ = {};
+  geometry_.first_column = geometry_.first_row = 0;
+  travel_m_ = 0.0;
+  next_to_forget_ = 0;
   forget_answers();
+}
+
+void AncestryGrid::centre_on(const GridCell& cell) {
+  const auto first = [](int middle, int cells) { return (middle - cells / 2) >> kTileBits << kTileBits; };
+  geometry_.first_column = first(cell.column(), geometry_.columns);
+  geometry_.first_row = first(cell.row(), geometry_.rows);
+}
+
+void AncestryGrid::follow(const GridCell& cell) {
+  const auto direction = [](int at, int first, int cells) {
+    return at < first + cells / 4 ? -1 : at >= first + cells - cells / 4 ? 1 : 0;
+  };
+  if (const int step = direction(cell.column(), geometry_.first_column, geometry_.columns); step != 0) {
+    step_columns(step);
+  }
+  if (const int step = direction(cell.row(), geometry_.first_row, geometry_.rows); step != 0) {
+    step_rows(step);
+  }
+}
+
+// The column that leaves on one side and the one that comes on the other have the same place.
+void AncestryGrid::step_columns(int direction) {
+  const int leaving = geometry_.first_column + (direction > 0 ? 0 : geometry_.columns - 1);
+  for (int row = 0; row < geometry_.rows; row += kTileSide_cells) {
+    forget(tile_of({leaving, geometry_.first_row + row}));
+  }
+  geometry_.first_column += direction * kTileSide_cells;
+}
+
+void AncestryGrid::step_rows(int direction) {
+  const int leaving = geometry_.first_row + (direction > 0 ? 0 : geometry_.rows - 1);
+  for (int column = 0; column < geometry_.columns; column += kTileSide_cells) {
+    forget(tile_of({geometry_.first_column + column, leaving}));
+  }
+  geometry_.first_row += direction * kTileSide_cells;
+}
+
+void AncestryGrid::forget_before(double travel_m, int tiles) {
+  for (int i = 0; i < tiles; ++i) {
+    if (first_of_tile_[next_to_forget_] != kNone && static_cast<double>(written_m_[next_to_forget_]) < travel_m) {
+      forget(next_to_forget_);
+    }
+    next_to_forget_ = next_to_forget_ + 1 < first_of_tile_.size() ? next_to_forget_ + 1 : 0;
+  }
+}
+
+void AncestryGrid::forget(std::uint32_t tile) {
+  while (first_of_tile_[tile] != kNone) {
+    remove(first_of_tile_[tile]);
+  }
+  if (answers_of_tile_[tile] != 0) {
+    std::fill_n(&answers_[static_cast<std::size_t>(answers_of_tile_[tile] - 1) * leaves_max_], leaves_max_, kBlank);
+  }
 }
 
 void AncestryGrid::retain(std::span<const int> copies) {
@@ -76,7 +139,7 @@ void AncestryGrid::branch(std::span<const int> copies) {
 
 std::size_t AncestryGrid::memory_bytes() const {
   const std::size_t words = free_.capacity() + first_of_tile_.capacity() + answers_of_tile_.capacity() +
-                            answered_.capacity() + answers_.capacity();
+                            answered_.capacity() + answers_.capacity() + written_m_.capacity();
   return tiles_.capacity() * sizeof(Tile) + versions_.capacity() * sizeof(Entry) +
          owned_.capacity() * (sizeof(OwnedTiles) + sizeof(Owner) + sizeof(Node)) + words * sizeof(Version) +
          tree_.memory_bytes();
@@ -108,6 +171,7 @@ void AncestryGrid::forget_answers() {
 /// The leaf's own version of a tile, made at its first write; kWaste if the pool is full.
 AncestryGrid::Version AncestryGrid::own_version(std::uint32_t tile, Node leaf, std::uint32_t rank) {
   Version& version = seen(tile, rank);
+  written_m_[tile] = static_cast<float>(travel_m_);
   const Owner owner = owner_of_node_[leaf];
   if (version != kBlank && versions_[version].owner == owner) {
     return version;
@@ -217,13 +281,23 @@ AncestryGrid::Version AncestryGrid::find_beside(Version version, Owner owner, bo
   return other;
 }
 
-/// Number of the tile that holds the cell, row by row, or kOutside.
+/// Number of the place of the tile that holds the cell, or kOutside.
 std::uint32_t AncestryGrid::tile_of(const GridCell& cell) const {
-  const bool inside =
-      cell.column() >= 0 && cell.row() >= 0 && cell.column() < geometry_.columns && cell.row() < geometry_.rows;
-  return inside ? static_cast<std::uint32_t>(cell.row() / kTileSide_cells) * tile_columns_ +
-                      static_cast<std::uint32_t>(cell.column() / kTileSide_cells)
-                : kOutside;
+  const int column = cell.column() - geometry_.first_column;
+  const int row = cell.row() - geometry_.first_row;
+  if (column < 0 || row < 0 || column >= geometry_.columns || row >= geometry_.rows) {
+    return kOutside;
+  }
+  return place(cell.row() >> kTileBits, tile_rows_) * tile_columns_ + place(cell.column() >> kTileBits, tile_columns_);
+}
+
+GridCell AncestryGrid::corner_of(std::uint32_t tile) const {
+  const auto cell = [](std::uint32_t at, std::uint32_t tiles, int first_cell) {
+    const std::uint32_t first = place(first_cell >> kTileBits, tiles);
+    return first_cell + static_cast<int>(at >= first ? at - first : at + tiles - first) * kTileSide_cells;
+  };
+  return {cell(tile % tile_columns_, tile_columns_, geometry_.first_column),
+          cell(tile / tile_columns_, tile_rows_, geometry_.first_row)};
 }
 
 void AncestryGrid::View::enter(const GridCell& cell) {

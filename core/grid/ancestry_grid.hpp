@@ -25,8 +25,9 @@ struct AncestryGridParams {
   static void describe(Self& self, Visitor& visit) {
     visit.value("resolution_m", self.resolution_m, Range{0.005, 1.0}, "Side of a map cell.");
     visit.value("width_m", self.width_m, Range{1.0, 2000.0},
-                "Extent of the map along x, rounded up to whole tiles; the run starts at its centre.");
-    visit.value("height_m", self.height_m, Range{1.0, 2000.0}, "Extent of the map along y, as for x.");
+                "Extent along x of the part of the map that the filter keeps, rounded up to whole tiles; it follows "
+                "the robot.");
+    visit.value("height_m", self.height_m, Range{1.0, 2000.0}, "Extent along y, as for x.");
     visit.value("tiles_max", self.tiles_max, Range{16, 4'000'000},
                 "Pool of observed tiles of 16 x 16 cells, shared by all particles' maps; 1 KiB each.");
   }
@@ -38,6 +39,9 @@ struct AncestryGridParams {
 /// observed something in it; a version is cumulative: it begins as a copy of the nearest ancestor's and goes on from
 /// there, so a particle sees a tile as its nearest ancestor left it. DP-SLAM keeps such versions per cell; per tile
 /// the maps are the same, with one look-up for all cells that a beam crosses in a tile and no list entry per cell.
+///
+/// The grid is a window into a plane without edges: it can be moved, and what it leaves behind is forgotten. A tile
+/// keeps its place in memory while the window moves (column and row modulo those of the window).
 ///
 /// To answer "which version does this particle see" at once, the first look at a tile after the family changed writes
 /// the answer down for all leaves; this costs time in the order of the particles per tile, whatever the lineage's
@@ -63,6 +67,17 @@ class AncestryGrid {
 
   /// One particle, nothing observed.
   void reset();
+  /// Moves the window towards having this cell in its middle half, by at most one row and column of tiles, and forgets
+  /// the tiles that it leaves. Linear in their versions: at most one per particle and ancestor.
+  void follow(const GridCell& cell);
+  /// Puts the window's centre next to this cell at once. Only when nothing is observed, as after `reset`.
+  void centre_on(const GridCell& cell);
+
+  /// The robot's travel, by which tiles grow old.
+  void set_travel(double travel_m) { travel_m_ = travel_m; }
+  /// Looks at so many tiles, in turn, and forgets those that nothing was added to since that travel.
+  void forget_before(double travel_m, int tiles);
+
   /// The two halves of a resampling: see AncestryTree.
   void retain(std::span<const int> copies);
   void branch(std::span<const int> copies);
@@ -126,6 +141,11 @@ class AncestryGrid {
   };
 
   [[nodiscard]] std::uint32_t tile_of(const GridCell& cell) const;
+  /// The lower-left cell of a tile.
+  [[nodiscard]] GridCell corner_of(std::uint32_t tile) const;
+  void step_columns(int direction);
+  void step_rows(int direction);
+  void forget(std::uint32_t tile);
   /// The version of a tile that the leaf with this rank sees.
   [[nodiscard]] Version& seen(std::uint32_t tile, std::uint32_t rank) {
     if (answers_of_tile_[tile] == 0) {
@@ -160,6 +180,9 @@ class AncestryGrid {
   std::vector<std::uint32_t> answers_of_tile_;  ///< 0: none yet, else 1 + its row in answers_
   std::vector<std::uint32_t> answered_;         ///< tiles that have answers
   std::vector<Version> answers_;                ///< rows of versions, by rank of the leaf
+  std::vector<float> written_m_;                ///< by tile: travel at the last observation
+  double travel_m_ = 0.0;
+  std::uint32_t next_to_forget_ = 0;
   Counters counters_;
 };
 

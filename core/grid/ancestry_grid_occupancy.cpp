@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <climits>
 
 #include "core/base/check.hpp"
 #include "core/grid/ancestry_grid.hpp"
@@ -6,20 +7,20 @@
 namespace odoless {
 namespace {
 
-/// Inclusive bounds of the tiles that a particle knows.
-struct TileBox {
-  std::uint32_t column_min = UINT32_MAX;
-  std::uint32_t column_max = 0;
-  std::uint32_t row_min = UINT32_MAX;
-  std::uint32_t row_max = 0;
+/// The cells of the tiles that a particle knows.
+struct CellBox {
+  int column_min = INT_MAX;
+  int column_end = INT_MIN;
+  int row_min = INT_MAX;
+  int row_end = INT_MIN;
 
-  void include(std::uint32_t column, std::uint32_t row) {
-    column_min = std::min(column_min, column);
-    column_max = std::max(column_max, column);
-    row_min = std::min(row_min, row);
-    row_max = std::max(row_max, row);
+  void include_tile(const GridCell& corner) {
+    column_min = std::min(column_min, corner.column());
+    column_end = std::max(column_end, corner.column() + AncestryGrid::kTileSide_cells);
+    row_min = std::min(row_min, corner.row());
+    row_end = std::max(row_end, corner.row() + AncestryGrid::kTileSide_cells);
   }
-  [[nodiscard]] bool empty() const { return column_min > column_max; }
+  [[nodiscard]] bool empty() const { return column_min >= column_end; }
 };
 
 std::int8_t occupancy_percent(const Cell& cell, float rho_min_parts) {
@@ -29,19 +30,19 @@ std::int8_t occupancy_percent(const Cell& cell, float rho_min_parts) {
 }  // namespace
 
 void AncestryGrid::write_occupancy(int particle, double rho_min_m, OccupancyMap& map) {
-  TileBox box;
+  CellBox box;
   for (std::uint32_t tile = 0; tile < first_of_tile_.size(); ++tile) {
     if (first_of_tile_[tile] != kNone && seen(tile, tree_.rank(particle)) != kBlank) {
-      box.include(tile % tile_columns_, tile / tile_columns_);
+      box.include_tile(corner_of(tile));
     }
   }
-  const int column = box.empty() ? 0 : static_cast<int>(box.column_min) * kTileSide_cells;
-  const int row = box.empty() ? 0 : static_cast<int>(box.row_min) * kTileSide_cells;
+  const int column = box.empty() ? 0 : box.column_min;
+  const int row = box.empty() ? 0 : box.row_min;
   map.resolution_m = geometry_.resolution_m;
   map.origin_x_m = geometry_.origin_x_m() + column * geometry_.resolution_m;
   map.origin_y_m = geometry_.origin_y_m() + row * geometry_.resolution_m;
-  map.width_cells = box.empty() ? 0 : (static_cast<int>(box.column_max) + 1) * kTileSide_cells - column;
-  map.height_cells = box.empty() ? 0 : (static_cast<int>(box.row_max) + 1) * kTileSide_cells - row;
+  map.width_cells = box.empty() ? 0 : box.column_end - column;
+  map.height_cells = box.empty() ? 0 : box.row_end - row;
   map.occupancy_percent.clear();
   map.occupancy_percent.reserve(static_cast<std::size_t>(map.width_cells) * static_cast<std::size_t>(map.height_cells));
   const auto rho_min_parts = static_cast<float>(rho_min_m / geometry_.resolution_m * Cell::kParts);

@@ -40,10 +40,11 @@ GlobalSearch::GlobalSearch(const GlobalSearchParams& params, const GridGeometry&
   forget_map({});
 }
 
-void GlobalSearch::forget_map(const Point2& last_p_map) {
+void GlobalSearch::forget_map(const Point2& last_p_map, const Point2& p_map_window) {
   const double x_m = std::max(0.0, half_map_m_.x_m - fine_.params().extent_m);
   const double y_m = std::max(0.0, half_map_m_.y_m - fine_.params().extent_m);
-  p_map_centre_ = {std::clamp(last_p_map.x_m, -x_m, x_m), std::clamp(last_p_map.y_m, -y_m, y_m)};
+  p_map_centre_ = {std::clamp(last_p_map.x_m, p_map_window.x_m - x_m, p_map_window.x_m + x_m),
+                   std::clamp(last_p_map.y_m, p_map_window.y_m - y_m, p_map_window.y_m + y_m)};
   constexpr double kFar_m = std::numeric_limits<double>::max();
   known_min_m_ = {kFar_m, kFar_m};
   known_max_m_ = {-kFar_m, -kFar_m};
@@ -99,7 +100,8 @@ int GlobalSearch::read_square(MapSquares& map) {
   const GridGeometry grid = map.geometry();
   const int columns = (grid.columns + kSide - 1) / kSide;
   const int rows = (grid.rows + kSide - 1) / kSide;
-  const GridCell corner(static_cast<int>(next_ % columns) * kSide, static_cast<int>(next_ / columns) * kSide);
+  const GridCell corner(grid.first_column + static_cast<int>(next_ % columns) * kSide,
+                        grid.first_row + static_cast<int>(next_ / columns) * kSide);
   const bool known = map.read(corner, square_);
   if (known) {
     add(square_, corner, grid);

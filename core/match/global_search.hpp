@@ -64,7 +64,8 @@ class GlobalSearch {
   GlobalSearch(const GlobalSearchParams& params, const GridGeometry& grid, int points_max);
 
   /// Forgets the map: it will be read anew.
-  void forget_map(const Point2& last_p_map);
+  /// @param p_map_window  The centre of its grid.
+  void forget_map(const Point2& last_p_map, const Point2& p_map_window = {});
   [[nodiscard]] bool has_map() const { return phase_ >= Phase::kIdle; }
 
   /// Looks for this scan from the beginning. Only when it has a map.

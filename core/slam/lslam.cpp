@@ -32,6 +32,8 @@ Lslam::Lslam(const LslamParams& params, std::uint64_t seed)
 void Lslam::reset(const Pose2& map_T_scan) {
   ODOLESS_CHECK(is_finite(map_T_scan));
   particles_.reset(map_T_scan);
+  particles_.grid().centre_on(cell_of(map_T_scan));
+  travel_m_ = 0.0;
   speed_.reset();
   errors_[0] = DrawnError{};
   started_ = pool_was_full_ = false;
@@ -57,6 +59,7 @@ UpdateReport Lslam::update(const Motion& motion, const ScanFrame& scan, const De
     move(motion, report);
     weigh(scan, deadline, report);
     report.resampled = select_survivors(report);
+    move_window(motion);
   } else {
     particles_.spread_the_first(wanted_particles_);
     report.effective_particles = 1.0;
@@ -74,6 +77,24 @@ UpdateReport Lslam::update(const Motion& motion, const ScanFrame& scan, const De
   }
   count(before, thinned_before, report);
   return report;
+}
+
+void Lslam::move_window(const Motion& motion) {
+  constexpr int kTiles = 256;  // of a window of 100 m all are looked at every 61 updates
+  AncestryGrid& grid = particles_.grid();
+  grid.follow(cell_of(pose(best())));
+  travel_m_ += motion.previous_T_current.distance_m({});
+  grid.set_travel(travel_m_);
+  if (params_.forget_after_m > 0.0) {
+    grid.forget_before(travel_m_ - params_.forget_after_m, kTiles);
+  }
+}
+
+GridCell Lslam::cell_of(const Pose2& map_T_scan) const {
+  constexpr double kFar_cells = 1e9;  // as far as cells are counted
+  const Point2 cells = geometry().cells(map_T_scan.x_m, map_T_scan.y_m);
+  const auto at = [=](double x) { return static_cast<int>(std::floor(std::clamp(x, -kFar_cells, kFar_cells))); };
+  return {at(cells.x_m), at(cells.y_m)};
 }
 
 std::size_t Lslam::memory_bytes() const {

@@ -52,7 +52,8 @@ struct PoseEstimate {
 /// in its own map, (3) if too few particles matter, keeps those that a systematic resampling picks, (4) puts the scan
 /// into the survivors' maps and (5) lets them multiply. The first update since `reset` does (4) and (5) alone.
 ///
-/// Frames:    poses are map_T_scan: of the laser, x forward, whose scans the matcher compares.
+/// Frames:    poses are map_T_scan: of the laser, x forward, whose scans the matcher compares. The map has no edge: its
+///            grid is a window that follows the best particle.
 /// Full pool: observations that find no room are refused and counted, and the next update drops the weakest half of the
 ///            particles, which gives their tiles back.
 /// Deadline:  at its end particles not weighed yet are given up as if their weight were 0, and survivors that remain go
@@ -123,6 +124,9 @@ class Lslam {
   [[nodiscard]] ScoredPose refined(int particle, std::span<const Beam> beams);
   [[nodiscard]] bool select_survivors(UpdateReport& report);
   void map_scan(const ScanFrame& scan, const Deadline& deadline, UpdateReport& report);
+  /// Lets the window of the maps follow the robot, and parts of them grow old.
+  void move_window(const Motion& motion);
+  [[nodiscard]] GridCell cell_of(const Pose2& map_T_scan) const;
   void count(const AncestryGrid::Counters& before, std::int64_t thinned_before, UpdateReport& report);
 
   LslamParams params_;
@@ -135,6 +139,7 @@ class Lslam {
   std::vector<DrawnError> errors_;  ///< what each particle takes the odometry to be off by now
   std::vector<DrawnError> old_errors_;
   std::vector<Beam> beams_;
+  double travel_m_ = 0.0;  ///< of all updates
   int wanted_particles_;
   bool started_ = false;
   bool pool_was_full_ = false;

@@ -19,6 +19,7 @@ struct LslamParams {
   bool weigh_no_return = false;
   double free_no_return_m = 0.0;
   int path_records_max = 65536;
+  double forget_after_m = 0.0;
   MotionModelParams motion;
   BeamModelParams beam;
   AncestryGridParams grid;
@@ -43,6 +44,10 @@ struct LslamParams {
                 "Way that a beam without return clears in the map; 0: it says nothing.");
     visit.value("path_records_max", self.path_records_max, Range{1024, 100'000'000},
                 "Pool of poses of the particles' paths; at least 16 per particle, older ones are thinned when full.");
+    visit.value(
+        "forget_after_m", self.forget_after_m, Range{0.0, 1e6},
+        "Travel after which the filter forgets a part of its map that no beam has met since, for the pose graph "
+        "has it, and drift makes it worthless; 0: never.");
     visit.group("motion", self.motion, "Scan-matching motion model.");
     visit.group("beam", self.beam, "Likelihood of a beam.");
     visit.group("grid", self.grid, "The particles' maps.");

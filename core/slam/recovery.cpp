@@ -95,7 +95,7 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   }
   if (is_suspect(tracked.motion) && !suspected_ && !unconfirmed_) {
     suspected_ = true;
-    relocaliser_.begin(slam.map_T_scan(), params_.tracking.usual_share * usual_fit_.value());
+    relocaliser_.begin(slam, params_.tracking.usual_share * usual_fit_.value());
   }
   if (suspected_) {
     verify(slam, tracked);

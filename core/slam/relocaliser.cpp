@@ -34,9 +34,10 @@ Relocaliser::Relocaliser(const RelocaliserParams& params, double fit_sigma_m, co
   ODOLESS_CHECK(parameters_in_range(params));
 }
 
-void Relocaliser::begin(const Pose2& last_map_T_scan, double fit_min) {
+void Relocaliser::begin(Slam& slam, double fit_min) {
   fit_min_ = std::max(params_.found_fit, fit_min);
-  search_.forget_map({last_map_T_scan.x_m, last_map_T_scan.y_m});
+  const Pose2 last_map_T_scan = slam.map_T_scan();
+  search_.forget_map({last_map_T_scan.x_m, last_map_T_scan.y_m}, slam.map_geometry().centre_m());
   trial_count_ = 0;
 }
 

@@ -25,7 +25,7 @@ class Relocaliser {
 
   /// From here on nothing is known but the map, and perhaps where the robot is taken to be.
   /// @param fit_min  What a candidate must fit in it, if that is more than `found_fit`.
-  void begin(const Pose2& last_map_T_scan, double fit_min);
+  void begin(Slam& slam, double fit_min);
   /// The robot's motion by the odometry, whether with a scan or not.
   void move(const Pose2& previous_T_current);
   /// @param believed_map_T_scan  Where tracking has the robot, if it has not lost it: one candidate more.

@@ -57,6 +57,16 @@ Result<DeviceAddress> parse_tcp(std::string_view text) {
   return DeviceAddress(std::move(address));
 }
 
+Result<DeviceAddress> parse_udp(std::string_view text) {
+  const Result<DeviceAddress> parsed = parse_tcp(text);
+  if (!parsed.ok()) {
+    return parsed.error();
+  }
+  const auto& address = std::get<TcpAddress>(parsed.value());
+  return is_numeric_host(address.host) ? Result<DeviceAddress>(UdpAddress{address.host, address.port})
+                                       : Result<DeviceAddress>(Errc::kBadAddress);
+}
+
 Result<DeviceAddress> parse_usb(std::string_view text) {
   const std::size_t slash = text.find('/');
   const std::string_view numbers = text.substr(0, slash);
@@ -78,11 +88,15 @@ Result<DeviceAddress> parse_usb(std::string_view text) {
 Result<DeviceAddress> parse_device_address(std::string_view text) {
   constexpr std::string_view kTcp = "tcp://";
   constexpr std::string_view kUsb = "usb://";
+  constexpr std::string_view kUdp = "udp://";
   if (text.starts_with(kTcp)) {
     return parse_tcp(text.substr(kTcp.size()));
   }
   if (text.starts_with(kUsb)) {
     return parse_usb(text.substr(kUsb.size()));
+  }
+  if (text.starts_with(kUdp)) {
+    return parse_udp(text.substr(kUdp.size()));
   }
   if (text.empty() || text.find("://") != std::string_view::npos) {
     return Errc::kBadAddress;

@@ -30,8 +30,15 @@ struct UsbAddress {
   friend bool operator==(const UsbAddress&, const UsbAddress&) = default;
 };
 
+/// "udp://127.0.0.1:5005": an address of this machine, a number, at which datagrams are waited for.
+struct UdpAddress {
+  std::string host;
+  std::uint16_t port = 0;
+  friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
+};
+
 /// Where a device is to be found.
-using DeviceAddress = std::variant<SerialAddress, TcpAddress, UsbAddress>;
+using DeviceAddress = std::variant<SerialAddress, TcpAddress, UsbAddress, UdpAddress>;
 
 /// Errors: Errc::kBadAddress.
 [[nodiscard]] Result<DeviceAddress> parse_device_address(std::string_view text);

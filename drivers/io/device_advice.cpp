@@ -12,6 +12,9 @@ namespace {
 
 std::string advice_on(Errc error, const DeviceAddress& address) {
   const auto* const serial = std::get_if<SerialAddress>(&address);
+  if (std::holds_alternative<UdpAddress>(address)) {
+    return error == Errc::kDeviceMissing ? "udp:// takes an address of this machine, such as 127.0.0.1 or 0.0.0.0" : "";
+  }
   if (error == Errc::kDeviceDenied) {
     return serial != nullptr ? group_advice(serial->path)
                              : "rights on USB devices are given by udev rules (config/udev/60-odoless.rules)";

@@ -2,6 +2,7 @@
 
 #include "drivers/io/serial_port.hpp"
 #include "drivers/io/tcp_client.hpp"
+#include "drivers/io/udp_listener.hpp"
 
 namespace odoless {
 
@@ -16,6 +17,9 @@ Result<FileDescriptor> DeviceLine::open(int priority) {
   }
   if (const auto* const tcp = std::get_if<TcpAddress>(&address.value())) {
     return open_host(*tcp);
+  }
+  if (const auto* const udp = std::get_if<UdpAddress>(&address.value())) {
+    return open_udp(*udp);
   }
   Result<std::unique_ptr<UsbSerial>> opened = UsbSerial::open(*std::get_if<UsbAddress>(&address.value()), priority);
   if (!opened.ok()) {

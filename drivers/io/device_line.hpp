@@ -11,9 +11,9 @@
 
 namespace odoless {
 
-/// A device's line, opened by the kind of its address, again and again: a serial line, a TCP connection, or a USB
-/// device without the kernel's driver. Whichever it is, it is a descriptor that is read and written without blocking,
-/// and of which the end is told by 0 bytes or an error.
+/// A device's line, opened by the kind of its address, again and again: a serial line, a TCP connection,
+/// datagrams of UDP, or a USB device without the kernel's driver. Whichever it is, it is a descriptor that is read and
+/// written without blocking, and of which the end is told by 0 bytes or an error.
 ///
 /// Thread: one ordinary thread opens; the descriptors may be used by another, in real time.
 class DeviceLine {
@@ -22,7 +22,8 @@ class DeviceLine {
   /// @param baud     Rate of a serial line; 0 leaves it alone. The other kinds have none.
   DeviceLine(std::string address, int baud) : text_(std::move(address)), baud_(baud) {}
 
-  /// The descriptor opened before must be closed by then. Errors: those of open_serial, open_tcp and UsbSerial::open,
+  /// The descriptor opened before must be closed by then. Errors: those of open_serial, open_tcp, open_udp and
+  /// UsbSerial::open,
   /// and Errc::kBadAddress.
   /// @param priority  Of the thread that USB needs.
   [[nodiscard]] Result<FileDescriptor> open(int priority = 0);

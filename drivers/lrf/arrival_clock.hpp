@@ -1,8 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace odoless {
+
+/// What bytes take on a serial line, start and stop bit included; 0 where its rate isn't known.
+[[nodiscard]] constexpr std::int64_t transfer_ns(std::size_t bytes, int line_baud) {
+  return line_baud == 0 ? 0 : static_cast<std::int64_t>(bytes) * 10 * 1'000'000'000 / line_baud;
+}
 
 /// Puts what a device without a clock of its own counts evenly (turns of a mirror, samples) on the host's clock.
 ///

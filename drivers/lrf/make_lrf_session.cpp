@@ -3,10 +3,12 @@
 #include <sys/ioctl.h>
 
 #include "drivers/io/device_address.hpp"
+#include "drivers/lrf/csv/csv_session.hpp"
 #include "drivers/lrf/ldrobot/ldrobot_session.hpp"
 #include "drivers/lrf/rplidar/rplidar_session.hpp"
 #include "drivers/lrf/scip/scip_session.hpp"
 #include "drivers/lrf/sick/sick_session.hpp"
+#include "drivers/lrf/sopas/sopas_session.hpp"
 #include "drivers/lrf/ydlidar/ydlidar_session.hpp"
 
 namespace odoless {
@@ -27,6 +29,10 @@ std::unique_ptr<LrfSession> make_lrf_session(const LrfParams& params, int beams_
       return std::make_unique<LdrobotSession>(params, beams_max);
     case LrfDriver::kYdlidar:
       return std::make_unique<YdlidarSession>(params, beams_max);
+    case LrfDriver::kSopas:
+      return std::make_unique<SopasSession>(params, beams_max);
+    case LrfDriver::kCsv:
+      return std::make_unique<CsvSession>(params, beams_max);
     case LrfDriver::kLcm:
       break;
   }

@@ -60,6 +60,7 @@ class StreamingSession : public LrfSession {
   /// The stream runs. @param first_scan_ns  Its first scan counts as late from then on, as after a scan.
   void on_ready(std::int64_t first_scan_ns, LrfSink& sink) {
     last_scan_ns_ = first_scan_ns;
+    others_in_a_row_ = 0;
     sink.on_event({.type = LrfEventType::kReady});
   }
 
@@ -68,7 +69,19 @@ class StreamingSession : public LrfSession {
     counters_.identical_run = stream_.identical_run();
     counters_.identical += counters_.identical_run > 0 ? 1 : 0;
     last_scan_ns_ = scan.arrival_ns;
+    others_in_a_row_ = 0;
     sink.on_scan(scan);
+  }
+
+  /// Of a device that tells with each scan how it is to be read: where that stays another (kWrongCount), somebody has
+  /// set it otherwise, and it is brought up anew.
+  void refuse(Errc reason, std::int64_t now_ns, LrfSink& sink) {
+    counters_.reject(reason, sink);
+    others_in_a_row_ += reason == Errc::kWrongCount ? 1 : 0;
+    if (others_in_a_row_ >= kOthersMax) {
+      sink.on_event({.type = LrfEventType::kLost, .reason = reason});
+      start_over(now_ns, false);
+    }
   }
 
   /// What the device says is wrong with it while it streams.
@@ -84,6 +97,8 @@ class StreamingSession : public LrfSession {
   [[nodiscard]] LrfCounters& counts() { return counters_; }
 
  private:
+  static constexpr int kOthersMax = 8;
+
   Stream stream_;
   BringUp bring_up_;
   LrfCounters counters_;
@@ -91,6 +106,7 @@ class StreamingSession : public LrfSession {
   std::int64_t stall_timeout_ns_;
   std::int64_t last_scan_ns_ = 0;
   std::uint64_t stream_device_errors_ = 0;
+  int others_in_a_row_ = 0;
   bool was_reset_ = false;
 };
 

@@ -82,15 +82,29 @@ Parsed parse_status(std::string_view arguments) {
   return ControlCommand{.kind = form.empty() ? Kind::kStatus : Kind::kStatusJson};
 }
 
+// A path may have spaces: it is all that is left of the line.
+Parsed parse_save(std::string_view arguments) {
+  ControlCommand command{.kind = Kind::kSave};
+  std::string_view rest = arguments;
+  if (next_word(rest) == "--force") {
+    command.is_forced = true;
+    arguments = rest;
+  }
+  arguments.remove_prefix(std::min(arguments.find_first_not_of(' '), arguments.size()));
+  command.folder = arguments;
+  const bool is_printable = std::none_of(arguments.begin(), arguments.end(), [](char c) { return c >= 0 && c < ' '; });
+  if (!is_printable || (!arguments.empty() && arguments.front() != '/') || (command.is_forced && arguments.empty())) {
+    return "save takes nothing, or an absolute path: save [--force] /PATH";
+  }
+  return command;
+}
+
 struct Word {
   std::string_view name;
   Kind kind;
 };
-constexpr std::array<Word, 5> kPlainCommands{{{"save", Kind::kSave},
-                                              {"reset", Kind::kReset},
-                                              {"pause", Kind::kPause},
-                                              {"resume", Kind::kResume},
-                                              {"stop", Kind::kStop}}};
+constexpr std::array<Word, 4> kPlainCommands{
+    {{"reset", Kind::kReset}, {"pause", Kind::kPause}, {"resume", Kind::kResume}, {"stop", Kind::kStop}}};
 
 }  // namespace
 
@@ -104,6 +118,9 @@ Parsed parse_control_command(std::string_view line) {
   }
   if (word == "tilt") {
     return parse_tilt(line);
+  }
+  if (word == "save") {
+    return parse_save(line);
   }
   const auto* const found = std::find_if(kPlainCommands.begin(), kPlainCommands.end(),
                                          [word](const Word& known) { return known.name == word; });

@@ -15,6 +15,8 @@ struct ControlCommand {
   Kind kind = Kind::kStatus;
   Pose2 map_T_scan{};                     ///< of kPose: finite, within `kPoseMax_m`
   TiltCommand tilt = TiltCommand::kStop;  ///< of kTilt
+  std::string folder{};                   ///< of kSave: an absolute path; empty: the run's own
+  bool is_forced = false;                 ///< of kSave: results in that folder are replaced
 };
 
 /// Farthest from the map's origin, along x and y, that a robot can be put.
@@ -22,7 +24,7 @@ inline constexpr double kPoseMax_m = 10'000.0;
 
 /// All commands, for a person.
 inline constexpr const char* kControlCommands =
-    "status [json], save, reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, stop";
+    "status [json], save [[--force] /PATH], reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, stop";
 
 /// Reads a command, word by word, from whoever may write to the socket: nothing of it is trusted.
 /// @return  The command, or why it is refused: what is wrong and what would be right.

@@ -114,6 +114,9 @@ int run_daemon(DaemonOptions options) {
   if (const int error = publisher.start(); error != 0) {
     return refuse_thread(error);
   }
+  if (const int error = supervisor.start(); error != 0) {
+    return refuse_thread(error);
+  }
   if (const int error = page ? page->start() : 0; error != 0) {
     return refuse_thread(error);
   }

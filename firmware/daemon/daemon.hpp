@@ -10,18 +10,19 @@
 #include <vector>
 
 #include "core/geometry/pose3.hpp"
-#include "core/geometry/stamped_pose.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "firmware/daemon/daemon_params.hpp"
 #include "firmware/daemon/stages.hpp"
+#include "firmware/publisher/pose_stream.hpp"
 #include "firmware/stages/scan_source.hpp"
 
 namespace odoless {
 
 /// What a run has made so far, or in the end.
 struct DaemonResult {
-  std::vector<StampedPose> trajectory;         ///< one per scan, as known now
-  std::vector<StampedPose> online_trajectory;  ///< as published at the time
+  bool has_trajectory = false;   ///< poses are kept
+  PoseStream trajectory;         ///< one per scan, as known now
+  PoseStream online_trajectory;  ///< as the robot had it at the time
   OccupancyMap map;
   std::vector<Point3> cloud;  ///< the 3D map; empty where there is none, or it is not to be saved
   CloudFormat cloud_format = CloudFormat::kNone;
@@ -30,19 +31,36 @@ struct DaemonResult {
   double wall_s = 0.0;
 };
 
+/// What is to be saved, and where.
+struct SaveRequest {
+  std::filesystem::path folder{};  ///< empty: the run's own, in that of the options
+  bool is_forced = false;          ///< results that are there already are replaced
+  bool is_last = false;            ///< the run is over
+};
+
+/// What came of it.
+struct SaveOutcome {
+  std::string folder{};  ///< that it is in
+  std::string wrong{};   ///< for a person; empty: nothing
+  int error = 0;         ///< errno, where something is wrong
+};
+
+/// Told what is being done, e.g. "writing map.png": often enough to tell slow from stuck.
+using SaveProgress = std::function<void(const std::string& doing)>;
+
 struct DaemonOptions {
   DaemonParams params;
   StageSet stages = StageSet::kAll;
   std::uint64_t seed = 1;
   bool require_realtime = false;
   bool enforce_realtime = false;
-  std::filesystem::path folder;  ///< for results; empty: none are kept
+  std::filesystem::path folder;  ///< of the runs, each of which gets one in there; empty: none is saved at the end
   /// Instead of the laser, e.g. a recorded log; may be null.
   std::unique_ptr<ScanSource> source;
   /// Nothing is dropped, and no result depends on time: a log as fast as possible.
   bool lossless = false;
-  /// Saves results into the folder; returns what went wrong, for a person, or nothing.
-  std::function<std::string(const DaemonResult&)> save;
+  /// Saves results, whole or not at all. Called by an ordinary thread, never by two at a time.
+  std::function<SaveOutcome(const SaveRequest&, const std::function<DaemonResult()>&, const SaveProgress&)> save;
   /// Reads the configuration anew; returns what is wrong with it, or nothing.
   std::function<std::string(DaemonParams&)> reload;
 };

@@ -26,14 +26,22 @@ CloudFormat format_of(const std::optional<MappingParams>& mapping) {
 }
 
 /// Gives each pose of a path that of the trajectory at its stamp. Both are in the order of their stamps.
-void move_to(std::span<const StampedPose> trajectory, std::span<StampedPose> path) {
-  auto at = trajectory.begin();
-  for (StampedPose& pose : path) {
-    at = std::find_if(at, trajectory.end(), [&](const StampedPose& each) { return each.stamp_ns >= pose.stamp_ns; });
-    if (at != trajectory.end() && at->stamp_ns == pose.stamp_ns) {
-      pose.map_T_scan = at->map_T_scan;
+void move_to(PoseStream trajectory, std::span<StampedPose> path) {
+  auto at = path.begin();
+  for (std::span<const StampedPose> piece = trajectory.next(); !piece.empty(); piece = trajectory.next()) {
+    for (const StampedPose& pose : piece) {
+      at = std::find_if(at, path.end(), [&](const StampedPose& each) { return each.stamp_ns >= pose.stamp_ns; });
+      if (at != path.end() && at->stamp_ns == pose.stamp_ns) {
+        at->map_T_scan = pose.map_T_scan;
+      }
     }
   }
+}
+
+/// Poses are kept for a save at the end, or for one that somebody asks for: on a disk, where there is no folder.
+std::filesystem::path folder_for_poses(const DaemonOptions& options) {
+  const bool can_be_asked = !options.params.control.socket.empty() && has_filter(options.stages);
+  return options.folder.empty() && can_be_asked ? "/var/tmp" : options.folder;
 }
 
 }  // namespace
@@ -46,7 +54,7 @@ Machine::Machine(DaemonOptions& options)
       intake_(make_intake(options)),
       matcher_(has_matcher(stages_) ? std::make_unique<MatcherStage>(options.params.robot, options.seed) : nullptr),
       filter_(has_filter(stages_) ? std::make_unique<FilterStage>(options.params.robot, options.seed) : nullptr),
-      publisher_(publisher_params(options.params), geometry_of(filter_.get()), pipeline_, options.folder),
+      publisher_(publisher_params(options.params), geometry_of(filter_.get()), pipeline_, folder_for_poses(options)),
       sensor_thread_({.name = "odo-sensor",
                       .priority = options.params.pipeline.sensor_priority,
                       .cpu = options.params.pipeline.sensor_cpu}),
@@ -192,7 +200,7 @@ bool Machine::stop() {
   return true;
 }
 
-int Machine::threads() const { return kStages + 1 + (gpio_thread_ ? 1 : 0) + (publisher_.has_graph() ? 1 : 0); }
+int Machine::threads() const { return kStages + 2 + (gpio_thread_ ? 1 : 0) + (publisher_.has_graph() ? 1 : 0); }
 
 std::size_t Machine::map_cells() const {
   const GridGeometry geometry = geometry_of(filter_.get());
@@ -228,31 +236,41 @@ int Machine::scheduling_error() const {
   return 0;
 }
 
-DaemonResult Machine::result() {
+DaemonResult Machine::result(bool is_last) {
   DaemonResult result;
-  const bool has_cloud = cloud_format_ != CloudFormat::kNone;
   result.cloud_format = cloud_format_;
-  result.online_trajectory = publisher_.online_poses();
-  if (has_ended() && filter_) {
-    std::vector<StampedPose> path;
-    filter_->filter().finish();
-    filter_->filter().write_path(path);
-    filter_->filter().write_occupancy(result.map);
-    result.trajectory = publisher_.final_poses(path);
-    if (publisher_.write_world(true, result.trajectory, result.map)) {
-      move_to(result.trajectory, path);
-    }
-    result.cloud = has_cloud ? publisher_.final_cloud(path) : result.cloud;
+  result.has_trajectory = publisher_.keeps_poses();
+  if (is_last && filter_) {
+    take_last(result);
   } else {
-    result.map = publisher_.map();
-    result.trajectory = result.online_trajectory;
-    static_cast<void>(publisher_.write_world(false, result.trajectory, result.map));
-    result.cloud = has_cloud ? publisher_.cloud() : result.cloud;
+    const auto as_graph = publisher_.write_world(false, result.map);
+    result.map = as_graph ? std::move(result.map) : publisher_.map();
+    result.trajectory = publisher_.poses(as_graph.value_or(take_online));
+    result.cloud = cloud_format_ != CloudFormat::kNone ? publisher_.cloud() : result.cloud;
   }
+  result.online_trajectory = publisher_.poses(take_online);
   result.health = publisher_.health();
   result.cpu = publisher_.cpu();
   result.wall_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
   return result;
+}
+
+void Machine::take_last(DaemonResult& result) {
+  std::vector<StampedPose> path;
+  filter_->filter().finish();
+  filter_->filter().write_path(path);
+  const auto as_graph = publisher_.write_world(true, result.map);
+  if (!as_graph) {
+    filter_->filter().write_occupancy(result.map);
+  }
+  const PoseStream::Change change = as_graph ? *as_graph : take_final(path);
+  result.trajectory = publisher_.poses(change);
+  if (cloud_format_ != CloudFormat::kNone) {
+    if (as_graph) {
+      move_to(publisher_.poses(change), path);
+    }
+    result.cloud = publisher_.final_cloud(path);
+  }
 }
 
 }  // namespace odoless

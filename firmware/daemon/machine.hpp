@@ -20,7 +20,7 @@
 
 namespace odoless {
 
-/// Of the ordinary thread that publishes.
+/// Of the ordinary threads that publish and save.
 inline constexpr std::size_t kPublisherStack_bytes = std::size_t{2} << 20;
 
 /// All parts of a daemon, made of its configuration and put together; nothing runs before `start`.
@@ -45,7 +45,7 @@ class Machine {
   static constexpr std::int64_t kDrain_ns = 700'000'000;
   static constexpr std::int64_t kEnd_ns = 2'000'000'000;
 
-  /// Threads that run in a machine with this configuration, the publisher's included.
+  /// Threads that run in a machine with this configuration, those that publish and save included.
   [[nodiscard]] int threads() const;
   /// Cells of the map that is saved at the end.
   [[nodiscard]] std::size_t map_cells() const;
@@ -57,7 +57,8 @@ class Machine {
   /// errno where a thread was refused its priority or processor; 0: none was.
   [[nodiscard]] int scheduling_error() const;
 
-  [[nodiscard]] DaemonResult result();
+  /// All that there is to be saved. @param is_last  The stages have been stopped. Thread: any, one at a time.
+  [[nodiscard]] DaemonResult result(bool is_last);
 
   [[nodiscard]] Pipeline& pipeline() { return pipeline_; }
   [[nodiscard]] Publisher& publisher() { return publisher_; }
@@ -71,6 +72,7 @@ class Machine {
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:
+  void take_last(DaemonResult& result);
   [[nodiscard]] bool is_running() const;
   void wake_all();
   [[nodiscard]] std::unique_ptr<ScanSource> make_source(DaemonOptions& options);

@@ -87,10 +87,11 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
   }
   meter.note("pose graph: keyframes, submaps, constraints");
   std::vector<MemoryShare> shares = meter.take();
+  shares.push_back({"poses that wait for the disk", PoseSpool::kWaitingMax * sizeof(PoseSpool::Entry)});
   shares.push_back({"stacks of the threads",
                     (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes +
                         (params.robot.graph.enabled ? GraphFeed::kStack_bytes + GraphFeed::kScratch_bytes : 0) +
-                        kPublisherStack_bytes + kFirstStack_bytes});
+                        2 * kPublisherStack_bytes + kFirstStack_bytes});
   if (params.web.is_used()) {
     shares.push_back({"page: stacks of its threads",
                       static_cast<std::size_t>(WebServer::threads(params.web)) * WebServer::kStack_bytes});

@@ -28,7 +28,7 @@ void notify_service_manager(std::string_view message) {
   }
   const FileDescriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   const auto size_bytes = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + name.size());
-  static_cast<void>(::sendto(socket.get(), message.data(), message.size(), MSG_NOSIGNAL,
+  static_cast<void>(::sendto(socket.get(), message.data(), message.size(), MSG_NOSIGNAL | MSG_DONTWAIT,
                              reinterpret_cast<const sockaddr*>(&address), size_bytes));
 }
 

@@ -55,7 +55,8 @@ Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t s
       machine_(machine),
       keeper_(laser_opener(options.params), machine.line(), machine.pipeline().sensor.wake),
       tilt_keeper_([&options] { return open_tilt_line(options.params.tilt); }, machine.tilt_line(),
-                   machine.pipeline().sensor.wake) {
+                   machine.pipeline().sensor.wake),
+      saver_(options, machine) {
   surroundings_.standing_reasons = standing_reasons;
 }
 
@@ -199,6 +200,7 @@ bool Supervisor::watch() {
   silent_ns_ = silent == nullptr ? 0 : silent_ns_ + kWatch_ns;
   surroundings_.stage_silent = silent_ns_ > 0 && silent_ns_ + kWatch_ns > options_.params.pipeline.watchdog_ns / 2;
   follow_gpio();
+  surroundings_.save_error = saver_.error();
   machine_.publisher().set_surroundings(surroundings_, now_ns);
   if (silent_ns_ == 0) {
     notify_service_manager(fmt::format("WATCHDOG=1\nSTATUS={}", state_sentence(machine_.publisher().health())));
@@ -268,13 +270,11 @@ std::string Supervisor::answer(std::string_view line, const ControlPeer& peer) {
 std::string Supervisor::obey(const ControlCommand& command) {
   switch (command.kind) {
     case ControlCommand::Kind::kStatus:
-      return status_text(machine_.publisher().status());
+      return status_text(status());
     case ControlCommand::Kind::kStatusJson:
-      return status_json(machine_.publisher().status()).dump() + "\n";
-    case ControlCommand::Kind::kSave: {
-      const std::string wrong = save();
-      return wrong.empty() ? fmt::format("ok: saved to {}\n", options_.folder.string()) : "error: " + wrong + "\n";
-    }
+      return status_json(status()).dump() + "\n";
+    case ControlCommand::Kind::kSave:
+      return begin_save(command);
     case ControlCommand::Kind::kStop:
       ending_ = true;
       return "ok\n";
@@ -305,14 +305,56 @@ std::string Supervisor::command_filter(const ControlCommand& command) {
   return "ok\n";
 }
 
-std::string Supervisor::save() {
-  if (options_.folder.empty() || !options_.save) {
-    return "there is no folder for results (odolessd --out)";
+DaemonStatus Supervisor::status() const {
+  DaemonStatus status = machine_.publisher().status();
+  status.save = saver_.status();
+  return status;
+}
+
+std::string Supervisor::begin_save(const ControlCommand& command) {
+  if (ending_) {
+    return "error: the daemon ends, and saves by itself\n";
   }
-  return options_.save(machine_.result());
+  if (command.folder.empty() && options_.folder.empty()) {
+    return "error: there is no folder for results (odolessd --out): name one (save /PATH)\n";
+  }
+  if (!saver_.begin({.folder = command.folder, .is_forced = command.is_forced})) {
+    return fmt::format("error: a save is under way ({}): ask again when it is done, as status says\n",
+                       saver_.status().doing);
+  }
+  return "ok: saving; status says when it is done\n";
+}
+
+// Commands are answered meanwhile, and the service manager is told that it takes its time as long as it gets on.
+void Supervisor::wait_for_saver() {
+  while (saver_.is_saving()) {
+    wait();
+    const std::int64_t now_ns = machine_.clock().now_ns();
+    if (now_ns - saver_.progress_ns() > kStuck_ns) {
+      log_line(EventPriority::kCritical, fmt::format("saving does not get on ({}): given up", saver_.status().doing));
+      ::_exit(EX_CANTCREAT);
+    }
+    if (now_ns >= next_watch_ns_) {
+      next_watch_ns_ = now_ns + kWatch_ns;
+      notify_service_manager(
+          fmt::format("WATCHDOG=1\nEXTEND_TIMEOUT_USEC=10000000\nSTATUS=ends: {}", saver_.status().doing));
+    }
+  }
+}
+
+/// After a save that is under way. @return  Whether there was nothing to do, or it went well.
+bool Supervisor::save_last(bool is_complete) {
+  wait_for_saver();
+  if (options_.folder.empty()) {
+    return true;
+  }
+  const bool has_begun = saver_.begin({.is_last = is_complete});
+  wait_for_saver();
+  return has_begun && saver_.status().state == SaveStatus::State::kSaved;
 }
 
 int Supervisor::end() {
+  ending_ = true;
   notify_service_manager("STOPPING=1");
   end_process_after(kEnd_s, EX_SOFTWARE);
   if (!machine_.stop()) {
@@ -320,27 +362,17 @@ int Supervisor::end() {
     end_without_stages();
   }
   let_process_end_in_its_time();  // a large map may take long on a slow disk
-  std::string wrong;
-  if (!options_.folder.empty() && options_.save) {
-    wrong = save();
-  }
-  if (!wrong.empty()) {
-    log_line(EventPriority::kError, wrong);
-  }
-  const int status = wrong.empty() ? EX_OK : EX_CANTCREAT;
+  const int status = save_last(true) ? EX_OK : EX_CANTCREAT;
   end_process_after(kEnd_s, status);  // lines and threads are still to be closed
   return status;
 }
 
 // The map is then as it was published last, for nobody may touch the filter. What hangs may hold whatever saving needs.
 void Supervisor::end_without_stages() {
+  ending_ = true;
   notify_service_manager("STOPPING=1");
   end_process_after(kEnd_s, EX_SOFTWARE);
-  if (!options_.folder.empty() && options_.save) {
-    const std::string wrong = save();
-    log_line(wrong.empty() ? EventPriority::kNotice : EventPriority::kError,
-             wrong.empty() ? fmt::format("what is known was saved to {}", options_.folder.string()) : wrong);
-  }
+  static_cast<void>(save_last(false));
   ::_exit(EX_SOFTWARE);
 }
 

@@ -7,6 +7,7 @@
 #include "firmware/daemon/control_command.hpp"
 #include "firmware/daemon/control_server.hpp"
 #include "firmware/daemon/machine.hpp"
+#include "firmware/daemon/saver.hpp"
 #include "firmware/daemon/signals.hpp"
 #include "firmware/sources/line_keeper.hpp"
 
@@ -27,6 +28,9 @@ class Supervisor {
   /// it is of no use to go on: a laser that is missing may still come, but not one that is used by another program.
   [[nodiscard]] int open();
 
+  /// Starts the thread that saves. @return  0, or the errno for which there is none.
+  [[nodiscard]] int start() { return saver_.start(); }
+
   /// @return  Exit status.
   [[nodiscard]] int run();
 
@@ -44,13 +48,17 @@ class Supervisor {
   [[nodiscard]] std::string obey(const ControlCommand& command);
   [[nodiscard]] std::string command_tilt(TiltCommand command);
   [[nodiscard]] std::string command_filter(const ControlCommand& command);
-  [[nodiscard]] std::string save();
+  [[nodiscard]] DaemonStatus status() const;
+  [[nodiscard]] std::string begin_save(const ControlCommand& command);
+  [[nodiscard]] bool save_last(bool is_complete);
+  void wait_for_saver();
   [[nodiscard]] int end();
   [[noreturn]] void end_without_stages();
 
   static constexpr std::int64_t kRound_ns = 20'000'000;
   static constexpr std::int64_t kWatch_ns = 100'000'000;
   static constexpr unsigned kEnd_s = 30;  ///< in which stages end, or all is saved beside one that hangs
+  static constexpr std::int64_t kStuck_ns = 120'000'000'000;  ///< a save that does not get on at the end is given up
 
   DaemonOptions& options_;
   Machine& machine_;
@@ -58,6 +66,7 @@ class Supervisor {
   LineKeeper keeper_;
   LineKeeper tilt_keeper_;
   Surroundings surroundings_;
+  Saver saver_;
   SignalReader signals_;
   bool ending_ = false;
   Errc laser_error_ = Errc::kOk;

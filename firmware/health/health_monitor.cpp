@@ -39,7 +39,8 @@ const HealthReport& HealthMonitor::update(const SensorReport& sensor, const Matc
                     when(surroundings.gpio_lost, kReasonGpio) | when(surroundings.storage_error != 0, kReasonStorage) |
                     when(cloud_refused_.update(surroundings.cloud ? surroundings.cloud->refused : 0, now_ns,
                                                params_.deadline_memory_ns),
-                         kReasonCloudFull);
+                         kReasonCloudFull) |
+                    when(surroundings.graph && surroundings.graph->used >= 1.0, kReasonMapFull);
   report_.latched_reasons |= report_.reasons;
   report_.state = state_of(sensor, filter);
   return report_;
@@ -67,12 +68,11 @@ std::uint32_t HealthMonitor::sensor_reasons(const SensorReport& sensor, const Su
 
 std::uint32_t HealthMonitor::estimate_reasons(const MatcherReport& matcher, const FilterReport& filter,
                                               std::int64_t now_ns) {
-  const std::int64_t map_refused = filter.refused_tiles + filter.outside_tiles;
   return when(matcher.poor_in_a_row >= params_.poor_matches, kReasonPoorMatch) |
          when(matcher.stage.scans > 1 && matcher.weak_information_1_m2 < params_.weak_information_1_m2,
               kReasonWeakDirection) |
          when(filter.lost || filter.doubtful, kReasonDiverged) | when(filter.paused, kReasonPaused) |
-         when(map_refused_.update(map_refused, now_ns, params_.deadline_memory_ns), kReasonMapFull);
+         when(map_refused_.update(filter.refused_tiles, now_ns, params_.deadline_memory_ns), kReasonMapFull);
 }
 
 std::uint32_t HealthMonitor::load_reasons(const HealthReport& report, std::int64_t now_ns) {
@@ -137,6 +137,7 @@ void HealthMonitor::copy_figures(const SensorReport& sensor, const MatcherReport
   report_.storage_error = surroundings.storage_error;
   report_.checkpoint_age_s = surroundings.checkpoint_age_s;
   report_.cloud = surroundings.cloud;
+  report_.graph = surroundings.graph;
 }
 
 }  // namespace odoless

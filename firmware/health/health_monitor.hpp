@@ -42,9 +42,11 @@ struct Surroundings {
   std::int32_t motion_queue_high_water = 0;
   std::int64_t records_dropped = 0;
   std::int64_t publish_errors = 0;
-  std::int32_t storage_error = 0;
+  std::int32_t save_error = 0;     ///< errno of the last save
+  std::int32_t storage_error = 0;  ///< of all that is written
   double checkpoint_age_s = -1.0;
   std::optional<CloudHealth> cloud{};
+  std::optional<GraphHealth> graph{};
 };
 
 /// Makes the health report of what the stages say: the state, its reasons, and every figure.

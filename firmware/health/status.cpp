@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -44,6 +45,38 @@ std::string cloud_text(const HealthReport& health) {
              : "";
 }
 
+std::string graph_text(const HealthReport& health) {
+  return health.graph ? fmt::format(
+                            "pose graph: {} submaps, {} loop closures, {:.0f} % of its memory; {} keyframes "
+                            "left out\n",
+                            health.graph->submaps, health.graph->loop_closures, 100.0 * health.graph->used,
+                            health.graph->keyframes_left_out)
+                      : "";
+}
+
+std::string save_text(const SaveStatus& save) {
+  switch (save.state) {
+    case SaveStatus::State::kSaving:
+      return fmt::format("save: under way for {:.1f} s: {}\n", save.since_s, save.doing);
+    case SaveStatus::State::kSaved:
+      return fmt::format("save: {:.1f} s ago, in {}\n", save.since_s, save.folder);
+    case SaveStatus::State::kFailed:
+      return fmt::format("save: FAILED {:.1f} s ago: {}\n", save.since_s, save.wrong);
+    case SaveStatus::State::kNone:
+      break;
+  }
+  return "";
+}
+
+Json save_json(const SaveStatus& save) {
+  constexpr std::array<const char*, 4> kStates{"none", "saving", "saved", "failed"};
+  return {{"state", kStates.at(static_cast<std::size_t>(save.state))},
+          {"since_s", save.since_s},
+          {"doing", save.doing},
+          {"folder", save.folder},
+          {"error", save.wrong}};
+}
+
 Json pose_json(const PoseRecord& pose) {
   const PoseSd sd = sd_of(pose);
   return {{"stamp_s", static_cast<double>(pose.stamp_ns) * 1e-9},
@@ -82,12 +115,13 @@ std::string status_text(const DaemonStatus& status) {
       "scans {} accepted, {} rejected, {} dropped, {} not level, {:.1f} Hz, age {:.3f} s; poses {:.1f} Hz\n"
       "stamps: {}\n"
       "fitness {:.2f}, particles {}, effective {:.0f}\n"
-      "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n{}",
+      "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n{}{}{}",
       state_sentence(health), pose_text(status), 100.0 * health.pose_probability, status.map.width_m,
       status.map.height_m, status.map.cell_size_m, 100.0 * health.map_pool_used, health.lrf.accepted,
       health.lrf.rejected, health.lrf.dropped, health.scans_not_level, health.lrf.rate_hz, health.lrf.age_s,
       status.poses_hz, times_text(health.lrf.times), health.fitness, health.particles, health.effective_particles,
-      matcher.p50_ms, matcher.p99_ms, matcher.max_ms, filter.p50_ms, filter.p99_ms, filter.max_ms, cloud_text(health));
+      matcher.p50_ms, matcher.p99_ms, matcher.max_ms, filter.p50_ms, filter.p99_ms, filter.max_ms, graph_text(health),
+      cloud_text(health), save_text(status.save));
 }
 
 Json status_json(const DaemonStatus& status) {
@@ -107,6 +141,7 @@ Json status_json(const DaemonStatus& status) {
             {"fitness", health.fitness},
             {"particles", health.particles},
             {"effective_particles", health.effective_particles},
+            {"save", save_json(status.save)},
             {"records_dropped", health.records_dropped},
             {"publish_errors", health.publish_errors},
             {"stages",
@@ -118,6 +153,16 @@ Json status_json(const DaemonStatus& status) {
                      {"memory_used", health.cloud->used},
                      {"refused", health.cloud->refused},
                      {"scans_left_out", health.cloud->scans_left_out}};
+  }
+  if (health.graph) {
+    const Pose2& map_T_odom = health.graph->map_T_odom;
+    json["pose_graph"] = {
+        {"submaps", health.graph->submaps},
+        {"loop_closures", health.graph->loop_closures},
+        {"memory_used", health.graph->used},
+        {"keyframes_left_out", health.graph->keyframes_left_out},
+        {"map_T_odom",
+         {{"x_m", map_T_odom.x_m}, {"y_m", map_T_odom.y_m}, {"yaw_deg", map_T_odom.yaw_rad * kDegPerRad}}}};
   }
   return json;
 }

@@ -16,12 +16,23 @@ struct MapSize {
   double cell_size_m = 0.0;
 };
 
+/// The last save, or the one that is under way.
+struct SaveStatus {
+  enum class State { kNone, kSaving, kSaved, kFailed };
+  State state = State::kNone;
+  double since_s = 0.0;  ///< that it began, or ended
+  std::string doing{};   ///< while it is under way
+  std::string folder{};  ///< that it is in
+  std::string wrong{};   ///< where it failed
+};
+
 /// All that a person asks of a daemon at a glance.
 struct DaemonStatus {
   HealthReport health;
   std::optional<PoseRecord> pose{};  ///< the last one; none yet, or the filter runs elsewhere
   MapSize map{};
   double poses_hz = 0.0;  ///< published, over the last second
+  SaveStatus save{};
 };
 
 /// A few lines for a person: the state with its reasons first.

@@ -65,10 +65,12 @@ std::int16_t status_type(LrfDriver laser) {
     case LrfDriver::kScip:
       return bot_core::sensor_status_t::HOKUYO_LASER;
     case LrfDriver::kSick:
+    case LrfDriver::kSopas:
       return bot_core::sensor_status_t::SICK_LASER;
     case LrfDriver::kRplidar:
     case LrfDriver::kLdrobot:
     case LrfDriver::kYdlidar:
+    case LrfDriver::kCsv:
     case LrfDriver::kLcm:
       break;
   }

@@ -87,7 +87,6 @@ struct FilterReport {
   double pose_probability = 1.0;  ///< that the pose is right within 0.5 m and 5 deg
   double pool_used = 0.0;
   std::int64_t refused_tiles = 0;
-  std::int64_t outside_tiles = 0;
   std::int64_t updates_cut = 0;  ///< ended by their deadline
   bool paused = false;
   bool doubtful = false;  ///< scans lately did not fit the map

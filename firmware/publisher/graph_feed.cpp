@@ -87,6 +87,7 @@ void GraphFeed::run() {
     {
       const std::lock_guard lock(graph_mutex_);
       has_work = graph_->work();
+      report();
     }
     if (!lossless_ && !is_hurried_) {
       sleep_ns(kRest * (thread_cpu_ns() - start_ns));
@@ -110,12 +111,10 @@ bool GraphFeed::take() {
         begin_anew();
       }
       has_work = graph_->add(job.keyframe, job.codes) || has_work;
+      report();
     }
     lock.lock();
     ++taken_;
-    const SubmapGraph::Counts& counts = graph_->counts();
-    report_ = {graph_->map_T_odom(), static_cast<std::int64_t>(graph_->submaps().size()),
-               counts.accepted - counts.taken_out, left_out_, graph_->used()};
     lock.unlock();
     changed_.notify_all();
   }
@@ -124,13 +123,22 @@ bool GraphFeed::take() {
 
 void GraphFeed::begin_anew() { graph_.emplace(params_.graph, params_.limits, params_.scan, seed_); }
 
-GraphFeed::Report GraphFeed::report() const {
+void GraphFeed::report() {
+  const SubmapGraph::Counts& counts = graph_->counts();
   const std::lock_guard lock(queue_mutex_);
-  return report_;
+  health_ = {.submaps = static_cast<std::int64_t>(graph_->submaps().size()),
+             .loop_closures = counts.accepted - counts.taken_out,
+             .used = graph_->used(),
+             .keyframes_left_out = left_out_,
+             .map_T_odom = graph_->map_T_odom()};
 }
 
-bool GraphFeed::write(std::span<const StampedPose> odom, bool is_last, std::vector<StampedPose>& trajectory,
-                      OccupancyMap& map) {
+GraphHealth GraphFeed::health() const {
+  const std::lock_guard lock(queue_mutex_);
+  return health_;
+}
+
+std::optional<TrajectoryCorrection> GraphFeed::write(bool is_last, OccupancyMap& map) {
   if (is_last && thread_.started()) {
     is_hurried_ = true;
     std::unique_lock lock(queue_mutex_);
@@ -141,13 +149,12 @@ bool GraphFeed::write(std::span<const StampedPose> odom, bool is_last, std::vect
     graph_->finish();
   }
   if (graph_->submaps().empty()) {
-    return false;
+    return std::nullopt;
   }
-  trajectory = graph_->corrected(odom);
   WorldMap world(params_.slam.low.beam, params_.slam.low.grid.resolution_m);
   world.render(graph_->world(), params_.scan);
   world.write(map);
-  return true;
+  return TrajectoryCorrection(graph_->submaps(), graph_->graph());
 }
 
 }  // namespace odoless

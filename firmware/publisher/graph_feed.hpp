@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "config/robot_params.hpp"
-#include "core/geometry/stamped_pose.hpp"
 #include "core/graph/submap_graph.hpp"
+#include "core/graph/trajectory_correction.hpp"
 #include "core/grid/occupancy_map.hpp"
+#include "firmware/records/health.hpp"
 #include "rt/real_time_thread.hpp"
 
 namespace odoless {
@@ -25,15 +26,6 @@ class GraphFeed {
   static constexpr std::size_t kStack_bytes = std::size_t{2} << 20;
   static constexpr std::size_t kScratch_bytes = std::size_t{4} << 20;  ///< of matches and solutions
 
-  /// What it has come to.
-  struct Report {
-    Pose2 map_T_odom{};
-    std::int64_t submaps = 0;
-    std::int64_t loop_closures = 0;
-    std::int64_t keyframes_left_out = 0;  ///< since it was too busy
-    double used = 0.0;                    ///< share of the fullest pool, 0 to 1
-  };
-
   /// @param lossless  No keyframe is left out: `add` waits.
   GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossless);
   /// Starts the thread. @return  0, or the errno for which there is none.
@@ -45,13 +37,12 @@ class GraphFeed {
   /// Another map number than before begins anew.
   void add(const Keyframe& keyframe, std::span<const BeamCode> codes);
 
-  [[nodiscard]] Report report() const;
-  /// The trajectory and the map as known now. Allocates, and holds up the graph meanwhile.
-  /// @param odom     odom_T_scan of all scans in their order.
+  /// What it has come to.
+  [[nodiscard]] GraphHealth health() const;
+  /// The map as known now, and what corrects the trajectory; none where there is no submap yet, and nothing is written.
+  /// Allocates, and holds up the graph meanwhile.
   /// @param is_last  The run is over: all that waits is worked on before.
-  /// @return         False where there is no submap yet: nothing is written.
-  [[nodiscard]] bool write(std::span<const StampedPose> odom, bool is_last, std::vector<StampedPose>& trajectory,
-                           OccupancyMap& map);
+  [[nodiscard]] std::optional<TrajectoryCorrection> write(bool is_last, OccupancyMap& map);
 
  private:
   struct Job {
@@ -64,6 +55,8 @@ class GraphFeed {
   /// Takes over what waits. @return  Whether there was something.
   bool take();
   void begin_anew();
+  /// For `health`; whoever holds graph_mutex_.
+  void report();
   [[nodiscard]] std::size_t waiting() const { return pushed_ - taken_; }
 
   RobotParams params_;
@@ -79,7 +72,7 @@ class GraphFeed {
   bool is_busy_ = false;
   bool is_ending_ = false;
   std::atomic<bool> is_hurried_{false};  ///< somebody waits for the end
-  Report report_;
+  GraphHealth health_;
   mutable std::mutex graph_mutex_;
   std::optional<SubmapGraph> graph_;  ///< always there; begun anew with another map
   int map_number_ = 0;

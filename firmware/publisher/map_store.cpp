@@ -3,53 +3,82 @@
 #include <algorithm>
 
 namespace odoless {
+namespace {
+
+std::size_t place(int at, int most) { return static_cast<std::size_t>(at % most + (at % most < 0 ? most : 0)); }
+
+}  // namespace
 
 MapStore::MapStore(const GridGeometry& geometry)
     : geometry_(geometry),
-      cells_(static_cast<std::size_t>(geometry.columns) * static_cast<std::size_t>(geometry.rows), kUnknownCell),
-      column_min_(geometry.columns),
-      row_min_(geometry.rows) {
+      cells_(static_cast<std::size_t>(geometry.columns) * static_cast<std::size_t>(geometry.rows), kUnknownCell) {
   cut_.reserve(cells_.size());
 }
 
-void MapStore::update(const MapTileRecord& tile, std::span<const std::uint8_t> cells) {
-  const int left = tile.column * tile.size_cells + geometry_.columns / 2;
-  const int lowest = tile.row * tile.size_cells + geometry_.rows / 2;
-  for (int row = std::max(lowest, 0); row < std::min(lowest + tile.size_cells, geometry_.rows); ++row) {
-    for (int column = std::max(left, 0); column < std::min(left + tile.size_cells, geometry_.columns); ++column) {
-      const auto from = static_cast<std::size_t>(row - lowest) * static_cast<std::size_t>(tile.size_cells) +
-                        static_cast<std::size_t>(column - left);
-      cells_[static_cast<std::size_t>(row) * static_cast<std::size_t>(geometry_.columns) +
-             static_cast<std::size_t>(column)] = cells[from];
+void MapStore::Extent::include(int first, int count, int most) {
+  const Extent before = size() > 0 ? *this : Extent{first, first};
+  begin = std::min(before.begin, first);
+  end = std::max(before.end, first + count);
+  if (size() > most) {
+    begin = end > before.end ? end - most : begin;
+    end = begin + most;
+  }
+}
+
+std::uint8_t& MapStore::cell(int column, int row) {
+  return cells_[place(row, geometry_.rows) * static_cast<std::size_t>(geometry_.columns) +
+                place(column, geometry_.columns)];
+}
+
+void MapStore::forget(const Extent& old_columns, const Extent& old_rows) {
+  const auto has = [](const Extent& extent, int at) { return at >= extent.begin && at < extent.end; };
+  for (int row = old_rows.begin; row < old_rows.end; ++row) {
+    for (int column = old_columns.begin; column < old_columns.end; ++column) {
+      if (!has(rows_, row) || !has(columns_, column)) {
+        cell(column, row) = kUnknownCell;
+      }
     }
   }
-  column_min_ = std::clamp(left, 0, column_min_);
-  row_min_ = std::clamp(lowest, 0, row_min_);
-  column_end_ = std::clamp(left + tile.size_cells, column_end_, geometry_.columns);
-  row_end_ = std::clamp(lowest + tile.size_cells, row_end_, geometry_.rows);
+}
+
+void MapStore::update(const MapTileRecord& tile, std::span<const std::uint8_t> cells) {
+  const int left = tile.column * tile.size_cells;
+  const int lowest = tile.row * tile.size_cells;
+  const Extent old_columns = columns_;
+  const Extent old_rows = rows_;
+  columns_.include(left, tile.size_cells, geometry_.columns);
+  rows_.include(lowest, tile.size_cells, geometry_.rows);
+  if (columns_.begin > old_columns.begin || columns_.end < old_columns.end || rows_.begin > old_rows.begin ||
+      rows_.end < old_rows.end) {
+    forget(old_columns, old_rows);
+  }
+  for (int row = std::max(lowest, rows_.begin); row < std::min(lowest + tile.size_cells, rows_.end); ++row) {
+    for (int column = std::max(left, columns_.begin); column < std::min(left + tile.size_cells, columns_.end);
+         ++column) {
+      cell(column, row) = cells[static_cast<std::size_t>(row - lowest) * static_cast<std::size_t>(tile.size_cells) +
+                                static_cast<std::size_t>(column - left)];
+    }
+  }
 }
 
 MapView MapStore::view(std::int64_t stamp_ns) {
-  MapView view;
-  view.stamp_ns = stamp_ns;
-  view.cell_size_m = geometry_.resolution_m;
-  view.lower_left_x_m = geometry_.origin_x_m() + column_min_ * geometry_.resolution_m;
-  view.lower_left_y_m = geometry_.origin_y_m() + row_min_ * geometry_.resolution_m;
-  view.columns = std::max(column_end_ - column_min_, 0);
-  view.rows = std::max(row_end_ - row_min_, 0);
   cut_.clear();
-  for (int row = row_min_; row < row_end_; ++row) {
-    const auto* const first =
-        cells_.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(geometry_.columns);
-    cut_.insert(cut_.end(), first + column_min_, first + column_end_);
+  for (int row = rows_.begin; row < rows_.end; ++row) {
+    for (int column = columns_.begin; column < columns_.end; ++column) {
+      cut_.push_back(cell(column, row));
+    }
   }
-  view.cells = cut_;
-  return view;
+  return {.stamp_ns = stamp_ns,
+          .lower_left_x_m = columns_.begin * geometry_.resolution_m,
+          .lower_left_y_m = rows_.begin * geometry_.resolution_m,
+          .cell_size_m = geometry_.resolution_m,
+          .columns = columns_.size(),
+          .rows = rows_.size(),
+          .cells = cut_};
 }
 
 MapSize MapStore::size() const {
-  return {std::max(column_end_ - column_min_, 0) * geometry_.resolution_m,
-          std::max(row_end_ - row_min_, 0) * geometry_.resolution_m, geometry_.resolution_m};
+  return {columns_.size() * geometry_.resolution_m, rows_.size() * geometry_.resolution_m, geometry_.resolution_m};
 }
 
 OccupancyMap MapStore::map() {

@@ -12,9 +12,9 @@
 
 namespace odoless {
 
-/// The map as the publisher knows it from the filter's tiles.
+/// The map as the publisher knows it from the filter's tiles: as much as the filter's grid has, around what came last.
 ///
-/// Memory: one byte per cell of the whole grid, at construction. Thread: publisher thread.
+/// Memory: one byte per cell of the grid, at construction. Thread: publisher thread.
 class MapStore {
  public:
   explicit MapStore(const GridGeometry& geometry);
@@ -29,11 +29,25 @@ class MapStore {
   [[nodiscard]] std::size_t memory_bytes() const { return 2 * cells_.capacity(); }
 
  private:
+  /// Columns or rows from `begin` to before `end`, from the map's origin.
+  struct Extent {
+    int begin = 0;
+    int end = 0;
+
+    [[nodiscard]] int size() const { return end - begin; }
+    /// Takes in these, and gives up the far end of what is more than `most`.
+    void include(int first, int count, int most);
+  };
+
+  [[nodiscard]] std::uint8_t& cell(int column, int row);
+  /// Forgets what only the old extents have.
+  void forget(const Extent& old_columns, const Extent& old_rows);
+
   GridGeometry geometry_;
-  std::vector<std::uint8_t> cells_;  ///< of the whole grid, row by row
+  std::vector<std::uint8_t> cells_;  ///< by column and row modulo those of the grid
   std::vector<std::uint8_t> cut_;
-  int column_min_, column_end_ = 0;  ///< the known part
-  int row_min_, row_end_ = 0;
+  Extent columns_;  ///< the known part
+  Extent rows_;
 };
 
 }  // namespace odoless

@@ -3,70 +3,77 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 
 namespace odoless {
+namespace {
+
+constexpr std::size_t kAtOnce = 64;
+
+off_t place_of(std::size_t entry) { return static_cast<off_t>(entry * sizeof(PoseSpool::Entry)); }
+
+}  // namespace
 
 PoseSpool::PoseSpool(const std::filesystem::path& folder) {
   if (folder.empty()) {
     return;
   }
-  const int descriptor = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (descriptor >= 0) {
-    file_.reset(::fdopen(descriptor, "w+"));
-  }
-  error_ = file_ ? 0 : errno;
+  file_.reset(::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
+  error_ = file_.valid() ? 0 : errno;
+  waiting_.reserve(kWaitingMax);
 }
 
 void PoseSpool::add(const PoseRecord& pose) {
-  if (!file_) {
+  if (!file_.valid()) {
     return;
   }
-  const Entry entry{pose.stamp_ns, pose.map_T_scan, pose.update_stamp_ns, pose.update_T_scan, pose.odom_T_scan};
-  if (std::fwrite(&entry, sizeof(entry), 1, file_.get()) != 1) {
-    error_ = errno;
+  const std::lock_guard lock(mutex_);
+  if (waiting_.size() < kWaitingMax) {
+    waiting_.push_back({pose.stamp_ns, pose.map_T_scan, pose.update_stamp_ns, pose.update_T_scan, pose.odom_T_scan});
+  }
+  if (waiting_.size() >= kAtOnce) {
+    write_waiting();
   }
 }
 
-std::vector<PoseSpool::Entry> PoseSpool::read_all() {
-  std::vector<Entry> entries;
-  if (file_ && std::fseek(file_.get(), 0, SEEK_SET) == 0) {
-    for (Entry entry; std::fread(&entry, sizeof(entry), 1, file_.get()) == 1;) {
-      entries.push_back(entry);
+// A write that was cut short is done anew at the same place.
+void PoseSpool::write_waiting() {
+  const auto* const bytes = reinterpret_cast<const char*>(waiting_.data());
+  const std::size_t size_bytes = waiting_.size() * sizeof(Entry);
+  for (std::size_t at = 0; at < size_bytes;) {
+    const ssize_t done =
+        ::pwrite(file_.get(), bytes + at, size_bytes - at, place_of(written_) + static_cast<off_t>(at));
+    if (done <= 0) {
+      error_ = done < 0 ? errno : EIO;
+      return;
     }
-    static_cast<void>(std::fseek(file_.get(), 0, SEEK_END));
+    at += static_cast<std::size_t>(done);
   }
-  return entries;
+  written_ += waiting_.size();
+  waiting_.clear();
+  error_ = 0;
 }
 
-std::vector<StampedPose> PoseSpool::online() {
-  std::vector<StampedPose> poses;
-  for (const Entry& entry : read_all()) {
-    poses.push_back({entry.stamp_ns, entry.map_T_scan});
+std::size_t PoseSpool::size() {
+  if (!file_.valid()) {
+    return 0;
   }
-  return poses;
+  const std::lock_guard lock(mutex_);
+  write_waiting();
+  return written_;
 }
 
-std::vector<StampedPose> PoseSpool::odometry() {
-  std::vector<StampedPose> poses;
-  for (const Entry& entry : read_all()) {
-    poses.push_back({entry.stamp_ns, entry.odom_T_scan});
-  }
-  return poses;
-}
-
-std::vector<StampedPose> PoseSpool::final(std::span<const StampedPose> path) {
-  std::vector<StampedPose> poses;
-  std::size_t at = 0;  // stamps only grow, in both
-  for (const Entry& entry : read_all()) {
-    while (at < path.size() && path[at].stamp_ns < entry.update_stamp_ns) {
-      ++at;
+int PoseSpool::read(std::size_t first, std::span<Entry> entries) const {
+  auto* const bytes = reinterpret_cast<char*>(entries.data());
+  for (std::size_t at = 0; at < entries.size_bytes();) {
+    const ssize_t done =
+        ::pread(file_.get(), bytes + at, entries.size_bytes() - at, place_of(first) + static_cast<off_t>(at));
+    if (done <= 0) {
+      return done < 0 ? errno : EIO;
     }
-    const bool known = at < path.size() && path[at].stamp_ns == entry.update_stamp_ns;
-    poses.push_back({entry.stamp_ns, known ? path[at].map_T_scan * entry.update_T_scan : entry.map_T_scan});
+    at += static_cast<std::size_t>(done);
   }
-  return poses;
+  return 0;
 }
 
 }  // namespace odoless

@@ -175,8 +175,10 @@ void Publisher::watch(std::int64_t now_ns) {
   surroundings_.motion_queue_high_water = static_cast<std::int32_t>(pipeline_.motions.high_water());
   surroundings_.records_dropped = pipeline_.lossless ? 0 : pipeline_.records_dropped();
   surroundings_.publish_errors = link_.counters().errors;
-  surroundings_.storage_error = recorder_.counters().last_error != 0 ? recorder_.counters().last_error : poses_.error();
+  const int kept_error = recorder_.counters().last_error != 0 ? recorder_.counters().last_error : poses_.error();
+  surroundings_.storage_error = kept_error != 0 ? kept_error : surroundings_.save_error;
   surroundings_.cloud = cloud_ ? std::optional(cloud_->health()) : std::nullopt;
+  surroundings_.graph = graph_ ? std::optional(graph_->health()) : std::nullopt;
   take_rate(now_ns);
   const HealthReport before = health_;
   health_ = monitor_.update(pipeline_.sensor.report.value(), pipeline_.matcher.report.value(),
@@ -258,49 +260,41 @@ OccupancyMap Publisher::map() {
   return map_.map();
 }
 
-std::vector<StampedPose> Publisher::online_poses() {
-  const std::lock_guard lock(mutex_);
-  return poses_.online();
-}
-
-std::vector<StampedPose> Publisher::final_poses(std::span<const StampedPose> path) {
-  const std::lock_guard lock(mutex_);
-  return poses_.final(path);
-}
-
-bool Publisher::write_world(bool is_last, std::vector<StampedPose>& trajectory, OccupancyMap& map) {
-  if (!graph_) {
-    return false;
+std::optional<PoseStream::Change> Publisher::write_world(bool is_last, OccupancyMap& map) {
+  std::optional<TrajectoryCorrection> correction = graph_ ? graph_->write(is_last, map) : std::nullopt;
+  if (!correction) {
+    return std::nullopt;
   }
-  std::vector<StampedPose> odom;
-  {
-    const std::lock_guard lock(mutex_);
-    odom = poses_.odometry();
+  PoseStream odometry = poses(take_odometry);
+  for (std::span<const StampedPose> piece = odometry.next(); !piece.empty(); piece = odometry.next()) {
+    correction->survey(piece);
   }
-  return graph_->write(odom, is_last, trajectory, map);
+  return take_corrected(std::move(*correction));
 }
 
 std::vector<Point3> Publisher::cloud() {
-  const std::lock_guard lock(mutex_);
-  return copy_cloud();
+  std::vector<Point3> points;
+  for (std::size_t key = 0; cloud_; ++key) {
+    const std::lock_guard lock(mutex_);
+    const KeyedCloud& cloud = cloud_->cloud();
+    if (key >= cloud.keys().size()) {
+      break;
+    }
+    points.reserve(cloud.size());
+    const Pose3 map_T_key = Pose3::of(cloud.keys()[key].map_T_key);
+    for (const CloudPoint& point : cloud.points_of(key)) {
+      points.push_back(map_T_key * Point3{point.x_m, point.y_m, point.z_m});
+    }
+  }
+  return points;
 }
 
 std::vector<Point3> Publisher::final_cloud(std::span<const StampedPose> path) {
-  const std::lock_guard lock(mutex_);
   if (cloud_) {
+    const std::lock_guard lock(mutex_);
     cloud_->finish(path);
   }
-  return copy_cloud();
-}
-
-std::vector<Point3> Publisher::copy_cloud() const {
-  std::vector<Point3> points;
-  if (cloud_) {
-    points.reserve(cloud_->cloud().size());
-    for_each_point(cloud_->cloud(),
-                   [&points](std::size_t, const Point3& p_map, std::uint32_t) { points.push_back(p_map); });
-  }
-  return points;
+  return cloud();
 }
 
 }  // namespace odoless

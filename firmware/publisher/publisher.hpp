@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "core/grid/grid_geometry.hpp"
 #include "firmware/health/health_monitor.hpp"
@@ -17,6 +18,7 @@
 #include "firmware/publisher/graph_feed.hpp"
 #include "firmware/publisher/map_store.hpp"
 #include "firmware/publisher/pose_spool.hpp"
+#include "firmware/publisher/pose_stream.hpp"
 #include "firmware/web/live_view.hpp"
 #include "rt/clock.hpp"
 
@@ -64,14 +66,17 @@ class Publisher {
   [[nodiscard]] DaemonStatus status() const;
   /// Any thread.
   [[nodiscard]] CpuHistograms cpu() const;
-  /// Any thread: the map and the poses until now. Waits for the round that is under way.
+  /// Any thread: the map until now. Waits for the round that is under way.
   [[nodiscard]] OccupancyMap map();
-  [[nodiscard]] std::vector<StampedPose> online_poses();
-  [[nodiscard]] std::vector<StampedPose> final_poses(std::span<const StampedPose> path);
-  /// Any thread: trajectory and map of the pose graph. @return  False, and nothing written, where there is none.
-  [[nodiscard]] bool write_world(bool is_last, std::vector<StampedPose>& trajectory, OccupancyMap& map);
+  /// Any thread: whether the poses are kept, and those until now.
+  [[nodiscard]] bool keeps_poses() const { return poses_.is_kept(); }
+  [[nodiscard]] PoseStream poses(PoseStream::Change change) { return {poses_, poses_.size(), std::move(change)}; }
+  /// Any thread: the pose graph's map, and what makes the trajectory as it has it; none where there is no graph, or
+  /// nothing in it yet, and nothing is written.
+  [[nodiscard]] std::optional<PoseStream::Change> write_world(bool is_last, OccupancyMap& map);
 
-  /// Any thread: the 3D map until now, point by point in the frame `map`; empty where there is none.
+  /// Any thread: the 3D map until now, point by point in the frame `map`; empty where there is none. A key at a time,
+  /// so that nobody waits for long.
   [[nodiscard]] std::vector<Point3> cloud();
   /// Any thread: the same at the end, with the final trajectory.
   [[nodiscard]] std::vector<Point3> final_cloud(std::span<const StampedPose> path);
@@ -94,7 +99,6 @@ class Publisher {
   void take_keyframe(std::span<const std::byte> bytes);
   void watch(std::int64_t now_ns);
   void publish_cloud();
-  [[nodiscard]] std::vector<Point3> copy_cloud() const;
   void publish_overview(std::int64_t now_ns);
   void keep_link_open(std::int64_t now_ns);
   void tell_of_link();

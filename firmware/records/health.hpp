@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/geometry/pose2.hpp"
 #include "core/scan/scan_time.hpp"
 
 namespace odoless {
@@ -31,7 +32,7 @@ enum HealthReason : std::uint32_t {
   kReasonDeadlineMissed = 1U << 9,  ///< a stage took longer than its budget
   kReasonNotRealTime = 1U << 10,    ///< real-time scheduling or locked memory was refused
   kReasonStorage = 1U << 11,        ///< a file cannot be written
-  kReasonMapFull = 1U << 12,        ///< a pool of the map is full, or the robot has left the grid
+  kReasonMapFull = 1U << 12,        ///< a pool of the map or of the pose graph is full
   kReasonPublishing = 1U << 13,     ///< LCM refuses datagrams
   kReasonStageSilent = 1U << 14,    ///< a stage does not answer
   kReasonDatagramsLost = 1U << 15,  ///< the other half of the pipeline was not heard for a while
@@ -90,6 +91,15 @@ struct CloudHealth {
   std::int64_t scans_left_out = 0;  ///< whose poses or angles never came
 };
 
+/// The pose graph of the present map.
+struct GraphHealth {
+  std::int64_t submaps = 0;
+  std::int64_t loop_closures = 0;
+  double used = 0.0;                    ///< share of its fullest pool, 0 to 1
+  std::int64_t keyframes_left_out = 0;  ///< since start: it was too busy for them
+  Pose2 map_T_odom{};                   ///< as the graph has it
+};
+
 enum Stage : int { kSensorStage = 0, kMatcherStage = 1, kFilterStage = 2, kStages = 3 };
 
 /// The health message's content; `firmware/messages/health_t.lcm` is the same on the wire.
@@ -121,6 +131,7 @@ struct HealthReport {
   double checkpoint_age_s = -1.0;      ///< -1: there is none
   std::int32_t storage_error = 0;      ///< errno of the last failure, 0: none
   std::optional<CloudHealth> cloud{};  ///< none: there is no 3D map
+  std::optional<GraphHealth> graph{};  ///< none: there is no pose graph
   std::int64_t scans_not_level = 0;    ///< that 2D SLAM was not given, for the laser was tilted
 };
 

@@ -8,6 +8,7 @@
 
 #include "drivers/io/serial_port.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
+#include "firmware/sources/device_status_text.hpp"
 #include "firmware/sources/line_end.hpp"
 
 namespace odoless {
@@ -155,8 +156,9 @@ void LrfSource::on_scan(const LrfScan& scan) {
   told_device_status_.reset();
   RawScan raw;
   raw.stamp_ns = synchronized_ns(scan.stamp_ns);
-  raw.start_angle_rad = scan.start_angle_rad;
-  raw.angle_step_rad = scan.angle_step_rad;
+  const double sense = params_.upside_down ? -1.0 : 1.0;
+  raw.start_angle_rad = sense * scan.start_angle_rad;
+  raw.angle_step_rad = sense * scan.angle_step_rad;
   raw.beam_period_ns = params_.deskew ? scan.beam_period_ns : 0;
   raw.ranges_m = scan.ranges_m;
   sink_->on_scan(raw);
@@ -184,7 +186,8 @@ void LrfSource::on_event(const LrfEvent& event) {
       return tell_once(kStreams, EventPriority::kInfo, "laser: streaming, {} beams", session_->geometry().beams);
     case LrfEventType::kDeviceError:
       if (std::exchange(told_device_status_, event.device_status) != event.device_status) {
-        sink_->on_event(EventPriority::kError, "laser: it reports an error, status {}", event.device_status);
+        sink_->on_event(EventPriority::kError, device_status_text(params_.driver, event.device_status),
+                        event.device_status);
       }
       return;
     case LrfEventType::kLost:

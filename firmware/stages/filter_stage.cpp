@@ -59,14 +59,9 @@ Advice FilterStage::diagnose(const ScanFrame& scan) {
                            {.scan = scan, .update_T_scan = since_update_.previous_T_current, .motion = since_scan_});
 }
 
-// Scans before the first one may have been lost on their way; far from the middle of the grid there is less room.
+// Scans before the first one may have been lost on their way.
 void FilterStage::begin() {
-  const GridGeometry& grid = geometry();
-  const double reach_m = 0.25 * grid.resolution_m * std::min(grid.columns, grid.rows);
-  const Pose2& odom_T_scan = since_update_.previous_T_current;
-  if (std::max(std::abs(odom_T_scan.x_m), std::abs(odom_T_scan.y_m)) < reach_m) {
-    filter_.reset(odom_T_scan);
-  }
+  filter_.reset(since_update_.previous_T_current);
   begun_ = true;
 }
 

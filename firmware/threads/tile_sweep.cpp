@@ -8,8 +8,13 @@ namespace {
 
 constexpr double kUsualPeriod_s = 0.1;
 
-// Tiles on one side of the origin.
-int half_of(int cells) { return (cells / 2 + TileSweep::kSide_cells - 1) / TileSweep::kSide_cells; }
+// That a window touches, wherever it lies.
+int tiles_over(int cells) { return (cells + TileSweep::kSide_cells - 1) / TileSweep::kSide_cells + 1; }
+
+int tile_at(int cell, int cells) {
+  const int from_origin = cell - cells / 2;
+  return (from_origin - (from_origin < 0 ? TileSweep::kSide_cells - 1 : 0)) / TileSweep::kSide_cells;
+}
 
 }  // namespace
 
@@ -17,8 +22,8 @@ TileSweep::TileSweep(FilterStage& stage, double refresh_s)
     : stage_(stage),
       refresh_s_(refresh_s),
       side_m_(kSide_cells * stage.geometry().resolution_m),
-      columns_(2 * half_of(stage.geometry().columns)),
-      rows_(2 * half_of(stage.geometry().rows)) {}
+      columns_(tiles_over(stage.geometry().columns)),
+      rows_(tiles_over(stage.geometry().rows)) {}
 
 TileSweep::Index TileSweep::tile_of(const Pose2& map_T_scan) const {
   return {static_cast<int>(std::floor(map_T_scan.x_m / side_m_)),
@@ -31,9 +36,11 @@ void TileSweep::send(Outbox& outbox, const FilterStep& step, std::int64_t stamp_
   }
   const double period_s = period_ns > 0 ? static_cast<double>(period_ns) * 1e-9 : kUsualPeriod_s;
   owed_ = std::min<double>(owed_ + columns_ * rows_ * period_s / refresh_s_, columns_ * rows_);
+  const GridGeometry& window = stage_.geometry();
+  const Index first{tile_at(window.first_column, window.columns), tile_at(window.first_row, window.rows)};
   int sent = 0;
   while (owed_ >= 1.0 && sent < kTilesPerScan_max) {
-    const Index tile{next_ % columns_ - columns_ / 2, next_ / columns_ - rows_ / 2};
+    const Index tile{first.column + next_ % columns_, first.row + next_ / columns_};
     sent += send_tile(outbox, tile, stamp_ns) ? 1 : 0;
     next_ = (next_ + 1) % (columns_ * rows_);
     owed_ -= 1.0;

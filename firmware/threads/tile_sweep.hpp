@@ -34,7 +34,7 @@ class TileSweep {
   FilterStage& stage_;
   double refresh_s_;
   double side_m_;
-  int columns_;  ///< of tiles; they lie around the map's origin
+  int columns_;  ///< of tiles that the map's window touches
   int rows_;
   int next_ = 0;
   double owed_ = 0.0;  ///< tiles that are due

@@ -23,7 +23,10 @@ constexpr std::int64_t kScanEvery_ns = 180'000'000;
 constexpr std::int64_t kStateEvery_ns = 500'000'000;
 constexpr std::size_t kTrailPoints = 256;  // in one event
 
-int half_of(int cells) { return (cells / 2 + kSide_cells - 1) / kSide_cells; }
+// That the filter's grid touches, wherever it lies.
+int tiles_over(int cells) { return (cells + kSide_cells - 1) / kSide_cells + 1; }
+
+std::size_t place(int at, int most) { return static_cast<std::size_t>(at % most + (at % most < 0 ? most : 0)); }
 
 int centimetres(double length_m) { return static_cast<int>(std::lround(length_m * 100.0)); }
 
@@ -59,9 +62,10 @@ void append_runs(std::span<const std::uint8_t> levels, std::string& text) {
 LiveView::LiveView(const GridGeometry& geometry)
     : run_(fmt::format("{:x}", monotonic_ns())),
       cell_size_m_(geometry.resolution_m),
-      tile_columns_(2 * half_of(geometry.columns)),
-      tile_rows_(2 * half_of(geometry.rows)),
-      versions_(static_cast<std::size_t>(tile_columns_) * static_cast<std::size_t>(tile_rows_)),
+      tile_columns_(tiles_over(geometry.columns)),
+      tile_rows_(tiles_over(geometry.rows)),
+      tiles_(static_cast<std::size_t>(tile_columns_) * static_cast<std::size_t>(tile_rows_)),
+      versions_(tiles_.size()),
       levels_(versions_.size() * kTileCells, kUnknownLevel) {
   scan_p_map_.reserve(kScanPoints);
 }
@@ -88,18 +92,18 @@ void LiveView::take(const PoseRecord& pose) {
 }
 
 void LiveView::take(const MapTileRecord& tile, std::span<const std::uint8_t> cells) {
-  const int column = tile.column + tile_columns_ / 2;
-  const int row = tile.row + tile_rows_ / 2;
-  if (column < 0 || column >= tile_columns_ || row < 0 || row >= tile_rows_ || cells.size() != kTileCells) {
+  if (cells.size() != kTileCells) {
     return;
   }
   const std::size_t index =
-      static_cast<std::size_t>(row) * static_cast<std::size_t>(tile_columns_) + static_cast<std::size_t>(column);
+      place(tile.row, tile_rows_) * static_cast<std::size_t>(tile_columns_) + place(tile.column, tile_columns_);
   std::array<std::uint8_t, kTileCells> levels{};
   std::transform(cells.begin(), cells.end(), levels.begin(), level_of);
   const std::lock_guard lock(mutex_);
   const std::span<std::uint8_t> known = levels_of(index);
-  if (!std::equal(known.begin(), known.end(), levels.begin())) {
+  const bool is_other = tiles_[index].column != tile.column || tiles_[index].row != tile.row;
+  if (is_other || !std::equal(known.begin(), known.end(), levels.begin())) {
+    tiles_[index] = {tile.column, tile.row};
     std::copy(levels.begin(), levels.end(), known.begin());
     versions_[index] = ++version_;
   }
@@ -208,6 +212,7 @@ void LiveView::tell_scan(LiveCursor& cursor, std::string& events) const {
 bool LiveView::tell_tile(LiveCursor& cursor, std::string& events) const {
   std::array<std::uint8_t, kTileCells> levels{};
   std::size_t index = versions_.size();
+  TileIndex tile;
   {
     const std::lock_guard lock(mutex_);
     for (std::size_t i = 0; i < versions_.size(); ++i) {  // the one that changed longest ago
@@ -218,12 +223,11 @@ bool LiveView::tell_tile(LiveCursor& cursor, std::string& events) const {
       return false;
     }
     cursor.tile = versions_[index];
+    tile = tiles_[index];
     const auto first = levels_.begin() + static_cast<std::ptrdiff_t>(index * kTileCells);
     std::copy(first, first + static_cast<std::ptrdiff_t>(kTileCells), levels.begin());
   }
-  const int column = static_cast<int>(index) % tile_columns_ - tile_columns_ / 2;
-  const int row = static_cast<int>(index) / tile_columns_ - tile_rows_ / 2;
-  fmt::format_to(std::back_inserter(events), "event: tile\ndata: {} {} ", column, row);
+  fmt::format_to(std::back_inserter(events), "event: tile\ndata: {} {} ", tile.column, tile.row);
   append_runs(levels, events);
   events += "\n\n";
   return true;

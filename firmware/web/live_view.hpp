@@ -31,6 +31,8 @@ struct LiveCursor {
 /// What the page shows, as known now: pose, scan, path, state, and the map in tiles. The publisher says what is new;
 /// each browser is told what has changed since it was told last, however long ago, as events of text/event-stream.
 ///
+/// Of the map it keeps as much as the filter's grid has, the newest tiles; a page keeps what it was told.
+///
 /// Memory: one byte per cell of the grid, and what else is needed, at construction. Thread: any; a lock is held only to
 /// copy.
 class LiveView {
@@ -51,6 +53,11 @@ class LiveView {
   [[nodiscard]] std::size_t memory_bytes() const { return levels_.capacity(); }
 
  private:
+  struct TileIndex {
+    int column = 0;
+    int row = 0;
+  };
+
   void clear_map(int map_number);
   void tell_beginning(LiveCursor& cursor, std::string& events) const;
   void tell_state(LiveCursor& cursor, std::int64_t now_ns, std::string& events) const;
@@ -63,8 +70,9 @@ class LiveView {
   mutable std::mutex mutex_;
   std::string run_;  ///< tells this run from others, so that a page knows when to begin anew
   double cell_size_m_;
-  int tile_columns_;  ///< they lie around the map's origin
+  int tile_columns_;  ///< a tile's place is its column and row modulo these
   int tile_rows_;
+  std::vector<TileIndex> tiles_;         ///< which one is at a place
   std::vector<std::uint64_t> versions_;  ///< of each tile; 0: nothing is known there
   std::uint64_t version_ = 0;            ///< of the tile that changed last
   std::vector<std::uint8_t> levels_;     ///< of the cells, tile after tile

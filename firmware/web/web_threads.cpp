@@ -22,12 +22,13 @@ int WebThreads::start(int threads, std::size_t stack_bytes) {
   return 0;
 }
 
-void WebThreads::enqueue(std::function<void()> task) {
+WebThreads::Taken WebThreads::enqueue(std::function<void()> task) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return !task_; });
   task_ = std::move(task);
   changed_.notify_all();
   changed_.wait(lock, [this] { return !task_; });
+  return static_cast<Taken>(true);
 }
 
 void WebThreads::work() {

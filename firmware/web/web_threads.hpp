@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "rt/real_time_thread.hpp"
@@ -26,8 +27,11 @@ class WebThreads final : public httplib::TaskQueue {
   /// 0, or the errno for which there are fewer.
   [[nodiscard]] int start(int threads, std::size_t stack_bytes);
 
+  /// Nothing with cpp-httplib 0.11 of Debian 12, bool with later ones.
+  using Taken = decltype(std::declval<httplib::TaskQueue&>().enqueue(nullptr));
+
   /// Returns when a thread has taken it.
-  void enqueue(std::function<void()> task) override;
+  Taken enqueue(std::function<void()> task) override;
   /// Ends when every task has.
   void shutdown() override { end(); }
 

@@ -64,9 +64,28 @@ BENCHMARK(BM_RplidarExpressStream)->Unit(benchmark::kMicrosecond);
 void BM_RplidarStandardStream(benchmark::State& state) {
   LrfParams params;
   params.driver = LrfDriver::kRplidar;
+  params.rplidar_scan = RplidarScan::kStandard;
   stream_for_a_while(state, "rplidar-a2", params);
 }
 BENCHMARK(BM_RplidarStandardStream)->Unit(benchmark::kMicrosecond);
+
+// 15900 points a second by their differences, as 1600 beams.
+void BM_RplidarUltraStream(benchmark::State& state) {
+  LrfParams params;
+  params.driver = LrfDriver::kRplidar;
+  params.rplidar_beams = 1600;
+  stream_for_a_while(state, "rplidar-a3", params);
+}
+BENCHMARK(BM_RplidarUltraStream)->Unit(benchmark::kMicrosecond);
+
+// 32000 points a second, as 1800 beams.
+void BM_RplidarDenseStream(benchmark::State& state) {
+  LrfParams params;
+  params.driver = LrfDriver::kRplidar;
+  params.rplidar_beams = 1800;
+  stream_for_a_while(state, "rplidar-s2", params);
+}
+BENCHMARK(BM_RplidarDenseStream)->Unit(benchmark::kMicrosecond);
 
 // 4500 points a second.
 void BM_LdrobotStream(benchmark::State& state) {

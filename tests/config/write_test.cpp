@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include "config/config.hpp"
 #include "tests/config/example_params.hpp"
@@ -15,7 +18,7 @@ using ::testing::HasSubstr;
 
 TEST(WriteToml, IsCommentedWithMeaningAndRange) {
   EXPECT_EQ(write_toml(ExampleOuterParams{}), R"([matcher]
-# Side of an NDT cell. Range: 0.1 to 20
+# Side of an NDT cell. Range: 0.1 to 20 m
 cell_size_m = 1.0
 # Number of particles. Range: 1 to 1000
 particles = 100
@@ -29,11 +32,11 @@ colour = "green"
 device = "/dev/laser"
 
 [matcher.inner]
-# Widest turn searched. Range: 0 to 180
+# Widest turn searched. Range: 0 to 180 deg
 yaw_max_deg = 20.0
 # Share of a | that is kept. Range: 0 to 1
 gain = 0.5
-# Time between scans. Range: 1e-06 to 10000
+# Time between scans. Range: 1e-06 to 10000 ms
 period_ms = 100.0
 )");
 }
@@ -104,6 +107,34 @@ TEST(WriteToml, KeepsEveryBitOfADefault) {
     parse_parameters(write_toml(defaults), "f", read);
     RC_ASSERT(read.yaw_max_rad == defaults.yaw_max_rad);
   }));
+}
+
+struct RadianParams {
+  double turn_max_rad = 0.35;
+  bool raw_bytes = false;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.value("turn_max_rad", self.turn_max_rad, Range{0.01, 3.1416}, "Turn.");
+    visit.flag("raw_bytes", self.raw_bytes, "Whether bytes are sent.");
+  }
+};
+
+TEST(WriteTemplate, HasTheKeysThatWereAskedForAsCommentsInFewDigits) {
+  constexpr std::array<std::string_view, 1> kKeys{"turn_max_deg"};
+  EXPECT_EQ(write_template(RadianParams{}, kKeys), "# Turn. Range: 0.573 to 180 deg\n#turn_max_deg = 20.05\n");
+}
+
+// Rounded ends lie within the true ones, so that whatever the text promises is accepted.
+TEST(WriteReference, SaysLimitsInFewDigitsThatHold) {
+  EXPECT_THAT(write_reference(RadianParams{}), HasSubstr("| number | 20.05 | 0.573 to 180 | deg |"));
+  RadianParams params;
+  EXPECT_NO_THROW(parse_parameters("turn_max_deg = 0.573", "f", params));
+  EXPECT_NO_THROW(parse_parameters("turn_max_deg = 180", "f", params));
+}
+
+TEST(WriteReference, GivesNumbersAloneAUnit) {
+  EXPECT_THAT(write_reference(RadianParams{}), HasSubstr("| `raw_bytes` | boolean | false |  |  |"));
 }
 
 TEST(WriteReference, HasOneRowPerKey) {

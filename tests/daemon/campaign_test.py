@@ -68,7 +68,7 @@ class CampaignTest(DaemonCase):
 
     def longest_silent_s(self, said):
         """How long it said OK at a stretch while its last pose was wrong."""
-        truth, online = Truth(self.path("truth.tum")), poses(self.path("out/trajectory_online.tum"))
+        truth, online = Truth(self.path("truth.tum")), poses(self.path("out/latest/trajectory_online.tum"))
         stamps_us = sorted(online)
         start = truth.at(stamps_us[0])
         longest_s, since_s, right = 0.0, None, 0

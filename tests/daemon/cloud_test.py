@@ -93,11 +93,11 @@ class CloudTest(DaemonCase):
         self.wait_until(lambda: self.servo_obeys() and "3D map:" in self.answer("status"), 10)
         self.wait_until(lambda: self.points() > 10_000, 30)
         self.assertEqual(self.ctl("save").returncode, 0)
-        saved_before = os.path.getsize(self.path("out/cloud." + form))
+        saved_before = os.path.getsize(self.path("out/latest/cloud." + form))
         time.sleep(drive_s)
         self.stop_in_time(daemon)
-        self.assertGreaterEqual(os.path.getsize(self.path("out/cloud." + form)), saved_before)
-        with open(self.path("out/cloud." + form), "rb") as file:
+        self.assertGreaterEqual(os.path.getsize(self.path("out/latest/cloud." + form)), saved_before)
+        with open(self.path("out/latest/cloud." + form), "rb") as file:
             return file.read()
 
     def points(self):
@@ -114,7 +114,7 @@ class CloudTest(DaemonCase):
         self.assertEqual(len(cloud), summary["cloud_points"])
         self.assertEqual(summary["cloud_refused"], 0)
         self.assertEqual(summary["heap_calls"], 0)
-        common, to_world = world_of_map(poses(self.path("truth.tum")), poses(self.path("out/trajectory.tum")))
+        common, to_world = world_of_map(poses(self.path("truth.tum")), poses(self.path("out/latest/trajectory.tum")))
         self.assertGreater(common, 20)
         world = [to_world(p) for p in cloud]
         off_m = sorted(from_surfaces_m(p) for p in world)
@@ -163,7 +163,7 @@ class CloudTest(DaemonCase):
     def test_saves_the_other_form_where_it_is_configured(self):
         data = self.drive("pcd", 0)
         self.assertEqual(len(self.read(data, b"DATA binary\n", struct.Struct("<ffff"))), self.summary()["cloud_points"])
-        self.assertFalse(os.path.exists(self.path("out/cloud.ply")))
+        self.assertFalse(os.path.exists(self.path("out/latest/cloud.ply")))
 
 
 if __name__ == "__main__":

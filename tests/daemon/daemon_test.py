@@ -33,11 +33,11 @@ class DaemonTest(DaemonCase):
         self.assertEqual(summary["scans_accepted"], summary["scans"] + summary["scans_dropped"])
         self.assertEqual(summary["heap_calls"], 0)
         self.assertLessEqual(summary["page_faults"], 0)
-        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/trajectory_online.tum"), "--json")
+        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/latest/trajectory_online.tum"), "--json")
         errors = json.loads(ate.stdout)
         self.assertLess(errors["translation_m"]["rmse"], 0.10, ate.stdout)
         for name in ("map.pgm", "map.yaml", "map.png", "trajectory.tum"):
-            self.assertTrue(os.path.getsize(self.path("out/" + name)) > 0, name)
+            self.assertTrue(os.path.getsize(self.path("out/latest/" + name)) > 0, name)
 
     def test_flags_a_laser_that_dies_within_two_periods_and_has_it_back_within_a_second(self):
         laser = self.start_laser()
@@ -125,7 +125,7 @@ class DaemonTest(DaemonCase):
             self.assertIn(reason, summary["latched_reasons"])
         self.assertGreater(summary["scans_rejected"], 50)
         self.assertGreater(summary["scans"], 400)
-        with open(self.path("out/trajectory_online.tum"), encoding="utf-8") as file:
+        with open(self.path("out/latest/trajectory_online.tum"), encoding="utf-8") as file:
             for line in file:
                 x_m, y_m = map(float, line.split()[1:3])
                 self.assertLess(x_m**2 + y_m**2, 0.05**2, line)  # it never believed what was not so
@@ -149,7 +149,7 @@ class DaemonTest(DaemonCase):
         self.assertIn("three numbers", self.ctl("pose", "1").stderr)
         self.assertIn("is no command", self.ctl("dance").stderr)
         self.assertEqual(self.ctl("save").returncode, 0)
-        self.assertTrue(os.path.exists(self.path("out/trajectory.tum")))
+        self.assertTrue(os.path.exists(self.path("out/latest/trajectory.tum")))
         self.assertEqual(self.ctl("stop").stdout, "ok\n")
         self.assertEqual(daemon.wait(timeout=10), 0)
         self.assertEqual(self.ctl("status").returncode, EX_UNAVAILABLE)
@@ -196,7 +196,7 @@ class DaemonTest(DaemonCase):
         daemon = run("odolessd", "--config", self.config, "--replay", log, "--out", self.path("out"))
         self.assertEqual(daemon.returncode, 0, daemon.stderr)
         for name in ("trajectory.tum", "trajectory_online.tum", "map.pgm"):
-            with open(self.path("plain/" + name), "rb") as plain, open(self.path("out/" + name), "rb") as out:
+            with open(self.path("plain/" + name), "rb") as plain, open(self.path("out/latest/" + name), "rb") as out:
                 self.assertEqual(plain.read(), out.read(), name)
 
     def test_records_what_it_publishes(self):
@@ -268,8 +268,8 @@ class DaemonTest(DaemonCase):
         laser.kill()
         laser.wait()
         self.assertEqual(self.summary()["heap_calls"], 0)
-        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/trajectory_online.tum"), "--json")
-        errors_deg = yaw_errors_deg(poses(self.path("truth.tum")), poses(self.path("out/trajectory_online.tum")))
+        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/latest/trajectory_online.tum"), "--json")
+        errors_deg = yaw_errors_deg(poses(self.path("truth.tum")), poses(self.path("out/latest/trajectory_online.tum")))
         self.assertGreater(len(errors_deg), 30)
         return json.loads(ate.stdout)["translation_m"]["rmse"], statistics.median(map(abs, errors_deg))
 
@@ -348,7 +348,8 @@ class DaemonTest(DaemonCase):
             self.assertIn(said, outcome.stderr)
         self.assertEqual(run("odolessd", "--config", self.config, "--check").returncode, 0)
         self.assertEqual(run("odolessd", "--stages", "matcher").returncode, EX_USAGE)
-        for robot_file in ("robot.toml", "robot-ld19.toml", "robot-ydlidar-x4.toml"):
+        for robot_file in ("robot.toml", "robot-ld19.toml", "robot-ydlidar-x4.toml", "robot-tim571.toml", "robot-lms111.toml",
+                           "robot-csv.toml", "robot-rplidar.toml"):
             self.assertEqual(run("odolessd", "--config", os.path.join(SOURCES, "config", robot_file), "--check").returncode, 0)
 
     def test_locks_about_as_much_memory_as_it_says_before(self):

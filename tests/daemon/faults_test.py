@@ -56,7 +56,7 @@ class FaultsTest(DaemonCase):
         """Returns what the daemon has said."""
         ended_with, said = daemon.wait(timeout=20), daemon.stderr.read()
         self.assertEqual(ended_with, status, said)
-        self.assertTrue(os.path.getsize(self.path("out/summary.json")) > 0)
+        self.assertTrue(os.path.getsize(self.path("out/latest/summary.json")) > 0)
         return said
 
     # Commands
@@ -197,7 +197,7 @@ class FaultsTest(DaemonCase):
                 daemon = self.start_without_laser()
                 daemon.send_signal(number)
                 self.expect_saved(daemon)
-                os.remove(self.path("out/summary.json"))
+                os.remove(self.path("out/latest/summary.json"))
 
     def test_a_file_that_may_not_grow_ends_nothing(self):
         self.config = self.write_config("recording.toml", f'[recorder]\npath = "{self.path("run")}"\n')
@@ -217,7 +217,7 @@ class FaultsTest(DaemonCase):
         self.wait_until(lambda: self.state().startswith(("OK", "DEGRADED")), 30)
         daemon.send_signal(signal.SIGTERM)
         self.assertIn("left out", self.expect_saved(daemon))
-        self.assertTrue(os.path.getsize(self.path("out/map.pgm")) > 0)
+        self.assertTrue(os.path.getsize(self.path("out/latest/map.pgm")) > 0)
 
     def test_saves_what_is_known_when_a_stage_hangs(self):
         self.start_laser()
@@ -231,9 +231,9 @@ class FaultsTest(DaemonCase):
                     daemon.send_signal(signal_number)
                 self.reap_thread(held)
                 self.assertIn("hangs" if signal_number is None else "does not end", self.expect_saved(daemon, EX_SOFTWARE))
-                self.assertTrue(os.path.getsize(self.path("out/map.pgm")) > 0)
-                self.assertTrue(os.path.getsize(self.path("out/trajectory.tum")) > 0)
-                os.remove(self.path("out/map.pgm"))
+                self.assertTrue(os.path.getsize(self.path("out/latest/map.pgm")) > 0)
+                self.assertTrue(os.path.getsize(self.path("out/latest/trajectory.tum")) > 0)
+                os.remove(self.path("out/latest/map.pgm"))
 
     def hold_thread(self, pid, name):
         """One thread of a process stands still, as in a call that never returns."""

@@ -7,6 +7,8 @@ import json
 import os
 import re
 import signal
+import socket
+import subprocess
 import sys
 import time
 import unittest
@@ -18,7 +20,14 @@ DRIVE_S = 25
 ERROR_MAX_M = 0.05
 
 
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        return free.getsockname()[1]
+
+
 class LasersTest(DaemonCase):
+    port = None  # of a laser on a network
+
     def robot_file(self, name, **values):
         """The robot file with its laser on the emulator's line, and nothing of the network."""
         with open(os.path.join(SOURCES, "config", name), encoding="utf-8") as file:
@@ -29,6 +38,15 @@ class LasersTest(DaemonCase):
         with open(self.path(name), "w", encoding="utf-8") as file:
             file.write(f'{text}\n[lcm]\nurl = ""\n[control]\nsocket = "{self.path("control")}"\n')
         return self.path(name)
+
+    def network_robot_file(self, name):
+        self.port = free_port()
+        return self.robot_file(name, device=f'"tcp://127.0.0.1:{self.port}"')
+
+    def start_laser(self, *more):
+        if self.port is None:
+            return super().start_laser(*more)
+        return self.start("odoless", "emulate", "lrf", "--from", WORLD, "--tcp", str(self.port), *more)
 
     def error_m(self, model, rate_hz):
         """Of the path as it was published at the time, after a drive (RMS)."""
@@ -43,7 +61,7 @@ class LasersTest(DaemonCase):
         summary = self.summary()
         self.assertEqual(summary["heap_calls"], 0)
         self.assertGreater(summary["scans"], 0.9 * rate_hz * DRIVE_S)
-        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/trajectory_online.tum"), "--json")
+        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/latest/trajectory_online.tum"), "--json")
         return json.loads(ate.stdout)["translation_m"]["rmse"]
 
     def expect_maps(self, config, model, rate_hz=10.0):
@@ -66,12 +84,48 @@ class LasersTest(DaemonCase):
     def test_maps_with_an_stl_27l(self):
         self.expect_maps(self.robot_file("robot-ld19.toml", baud=921600, ldrobot_beams=1080), "stl-27l")
 
+    def test_maps_with_an_rplidar_a3(self):
+        self.expect_maps(self.robot_file("robot-rplidar.toml", rplidar_beams=1440), "rplidar-a3")
+
+    def test_maps_with_an_rplidar_s2(self):
+        self.expect_maps(self.robot_file("robot-rplidar.toml", baud=1000000, rplidar_beams=1800), "rplidar-s2")
+
     def test_maps_with_a_ydlidar_x4(self):
         self.expect_maps(self.robot_file("robot-ydlidar-x4.toml"), "ydlidar-x4", 7.0)
 
     def test_maps_with_a_ydlidar_tg30(self):
         values = {"baud": 512000, "ydlidar_beams": 1800, "ydlidar_ranging": '"time_of_flight"'}
         self.expect_maps(self.robot_file("robot-ydlidar-x4.toml", **values), "ydlidar-tg30")
+
+    def test_maps_with_a_tim571_in_binary(self):
+        self.expect_maps(self.network_robot_file("robot-tim571.toml"), "tim571", 15.0)
+
+    def test_maps_with_a_tim551_in_ascii(self):
+        self.expect_maps(self.network_robot_file("robot-tim571.toml"), "tim551", 15.0)
+
+    def test_maps_with_an_lms111(self):
+        self.expect_maps(self.network_robot_file("robot-lms111.toml"), "lms111", 50.0)
+
+    def test_maps_with_a_laser_of_ones_own(self):
+        self.expect_maps(self.network_robot_file("robot-csv.toml"), "csv", 20.0)
+
+    def test_hears_the_example_of_a_laser_of_ones_own(self):
+        port = free_port()
+        with open(os.path.join(SOURCES, "drivers", "lrf", "csv", "README.md"), encoding="utf-8") as page:
+            code = "".join(line[4:] or "\n" for line in page if line.startswith("    ") or not line.strip())
+        example = self.path("example.py")
+        with open(example, "w", encoding="utf-8") as file:
+            file.write(code[code.index("import"):].replace("5005", str(port)))
+        self.config = self.robot_file("robot-csv.toml", device=f'"udp://127.0.0.1:{port}"')
+        daemon = self.start_daemon()
+        sender = subprocess.Popen([sys.executable, example])
+        self.addCleanup(sender.wait)
+        self.addCleanup(sender.kill)
+        time.sleep(5)
+        self.assertIsNone(sender.poll(), "the example ended")
+        daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+        self.assertGreater(self.summary()["scans"], 20)
 
 
 if __name__ == "__main__":

@@ -195,7 +195,7 @@ class SplitTest(unittest.TestCase):
             self.assertEqual(status, 0, log.read())
 
     def summary(self, name):
-        with open(self.path(name + "/summary.json"), encoding="utf-8") as file:
+        with open(self.path(name + "/latest/summary.json"), encoding="utf-8") as file:
             return json.load(file)
 
     def run_whole(self, name, log):
@@ -207,7 +207,7 @@ class SplitTest(unittest.TestCase):
         """Once for all tests."""
         if not os.path.exists(self.path("whole")):
             self.run_whole("whole", self.log)
-        return poses(self.path("whole/trajectory_online.tum"))
+        return poses(self.path("whole/latest/trajectory_online.tum"))
 
     def split(self, name, log, dropped_share, forges=False):
         """The same through two processes, with a relay between them if some are to be dropped."""
@@ -238,20 +238,20 @@ class SplitTest(unittest.TestCase):
         for name in ("undivided", "lossless"):
             self.assertTrue(self.says(name, "LOST"), name)
         for name in ("trajectory.tum", "trajectory_online.tum", "map.pgm"):
-            with open(self.path("undivided/" + name), "rb") as one, open(self.path("lossless/" + name), "rb") as two:
+            with open(self.path("undivided/latest/" + name), "rb") as one, open(self.path("lossless/latest/" + name), "rb") as two:
                 self.assertEqual(one.read(), two.read(), name)
-        self.assertGreater(len(poses(self.path("undivided/trajectory_online.tum"))), 300)
+        self.assertGreater(len(poses(self.path("undivided/latest/trajectory_online.tum"))), 300)
 
     def test_lost_datagrams_cost_little(self):
         whole = self.whole()
         relay = self.split("lossy", self.log, 0.05)
         self.assertGreater(relay.dropped, 20)
         self.assertGreater(self.summary("lossy")["datagrams_lost"], 10)
-        lossy = poses(self.path("lossy/trajectory_online.tum"))
+        lossy = poses(self.path("lossy/latest/trajectory_online.tum"))
         self.assertGreater(len(lossy), 0.98 * len(whole))  # the rest came when it was sent again
         off_m = max(math.dist(lossy[stamp], whole[stamp]) for stamp in lossy)
-        answer = subprocess.run(program("odoless", "eval", "ate", self.path("whole/trajectory_online.tum"),
-                                        self.path("lossy/trajectory_online.tum"), "--json"),
+        answer = subprocess.run(program("odoless", "eval", "ate", self.path("whole/latest/trajectory_online.tum"),
+                                        self.path("lossy/latest/trajectory_online.tum"), "--json"),
                                 check=True, capture_output=True, text=True)
         aligned_m = json.loads(answer.stdout)["translation_m"]
         print(f"{relay.dropped} of {relay.dropped + relay.passed} datagrams lost: at most {off_m:.3f} m off; in one frame rmse "
@@ -264,7 +264,7 @@ class SplitTest(unittest.TestCase):
         self.split("forged", self.log, 0.0, forges=True)
         self.assertGreater(self.summary("forged")["motions_refused"], 4 * len(whole))
         self.assertIn("motions of the matcher elsewhere are refused", self.summary("forged")["latched_reasons"])
-        forged_at = poses(self.path("forged/trajectory_online.tum"))
+        forged_at = poses(self.path("forged/latest/trajectory_online.tum"))
         self.assertGreater(len(forged_at), 0.98 * len(whole))
         self.assertLess(max(math.dist(forged_at[stamp], whole[stamp]) for stamp in forged_at), 0.05)
 
@@ -281,7 +281,7 @@ class SplitTest(unittest.TestCase):
         self.wait_until_idle("played", played)
         self.finish("played", played, signal.SIGTERM)
         for name in ("trajectory.tum", "map.pgm"):
-            with open(self.path("whole/" + name), "rb") as one, open(self.path("played/" + name), "rb") as two:
+            with open(self.path("whole/latest/" + name), "rb") as one, open(self.path("played/latest/" + name), "rb") as two:
                 self.assertEqual(one.read(), two.read(), name)
 
 

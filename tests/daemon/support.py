@@ -148,5 +148,5 @@ class DaemonCase(unittest.TestCase):
         return self.ctl("status").stdout.split("\n")[0]
 
     def summary(self):
-        with open(self.path("out/summary.json"), encoding="utf-8") as file:
+        with open(self.path("out/latest/summary.json"), encoding="utf-8") as file:
             return json.load(file)

@@ -43,6 +43,20 @@ TEST(ControlCommand, ReadsEachCommand) {
   EXPECT_EQ(std::get<ControlCommand>(parse_control_command("tilt sweep")).tilt, TiltCommand::kSweep);
 }
 
+TEST(ControlCommand, SavesWhereItIsTold) {
+  const auto plain = std::get<ControlCommand>(parse_control_command("save"));
+  EXPECT_EQ(plain.folder, "");
+  const auto named = std::get<ControlCommand>(parse_control_command("save /a folder/b"));
+  EXPECT_EQ(named.folder, "/a folder/b");
+  EXPECT_FALSE(named.is_forced);
+  const auto forced = std::get<ControlCommand>(parse_control_command("save --force  /a"));
+  EXPECT_EQ(forced.folder, "/a");
+  EXPECT_TRUE(forced.is_forced);
+  for (const char* const line : {"save a/b", "save --force", "save --force b", "save /a\tb", "save -f /a"}) {
+    EXPECT_THAT(refusal_of(line), HasSubstr("save [--force] /PATH")) << line;
+  }
+}
+
 TEST(ControlCommand, RefusesAPoseThatCannotBe) {
   for (const char* const line : {"pose 1e308 0 0", "pose 0 -1e308 0", "pose 10000.1 0 0", "pose 0 -10000.1 0"}) {
     EXPECT_THAT(refusal_of(line), HasSubstr("from -10000 to 10000 m")) << line;
@@ -58,7 +72,9 @@ TEST(ControlCommand, RefusesAPoseThatCannotBe) {
 
 TEST(ControlCommand, RefusesWhatIsNoneAndSaysWhatThereIs) {
   for (const char* const line : {"", "dance", "statusx", "STATUS", "pose1 2 3"}) {
-    EXPECT_THAT(refusal_of(line), HasSubstr("is no command; there are status [json], save, reset, pose")) << line;
+    EXPECT_THAT(refusal_of(line),
+                HasSubstr("is no command; there are status [json], save [[--force] /PATH], reset, pose"))
+        << line;
   }
   EXPECT_THAT(refusal_of("tilt up"), HasSubstr("level, sweep, stop"));
   EXPECT_THAT(refusal_of("reset now"), HasSubstr("no argument"));

@@ -32,11 +32,14 @@ TEST(FilterStage, BeginsWhereTheOdometryIsWhenItsFirstScansWereLost) {
   EXPECT_NEAR(step.map_T_scan.yaw_rad, 0.1, 1e-9);
 }
 
-TEST(FilterStage, BeginsInTheMiddleOfItsGridWhenTheOdometryIsFarAway) {
+TEST(FilterStage, BeginsWhereTheOdometryIsHoweverFarAway) {
   FilterStage stage(small_robot(), 1);
   SimulatedRoom room(4);
   room.step();
-  EXPECT_LT(stage.process(room.scan(), first_motion({500.0, 0.0, 0.0})).map_T_scan.distance_m({}), 1e-9);
+  const Pose2 far{500'000.0, -20.0, 0.0};
+  const FilterStep step = stage.process(room.scan(), first_motion(far));
+  EXPECT_LT(step.map_T_scan.distance_m(far), 1e-6);
+  EXPECT_EQ(step.report.outside_tiles, 0);
 }
 
 TEST(FilterStage, TakesTheFirstScanAfterAResetFromWhereItWasTold) {

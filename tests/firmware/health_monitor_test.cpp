@@ -126,6 +126,14 @@ TEST_F(HealthMonitorTest, WhatDoesNotTouchThePoseLeavesItOk) {
   expect(HealthState::kOk, kReasonStorage | kReasonPaused | kReasonCloudFull);
 }
 
+TEST_F(HealthMonitorTest, AFullPoseGraphIsToldOf) {
+  surroundings_.graph = GraphHealth{.used = 0.99};
+  expect(HealthState::kOk, 0U);
+  surroundings_.graph = GraphHealth{.used = 1.0};
+  expect(HealthState::kDegraded, kReasonMapFull);
+  EXPECT_EQ(update().graph->used, 1.0);
+}
+
 TEST_F(HealthMonitorTest, PosesThatMayComeLateAreToBeUsedWithCare) {
   surroundings_.standing_reasons = kReasonNotRealTime;
   expect(HealthState::kDegraded, kReasonNotRealTime);
@@ -168,7 +176,6 @@ INSTANTIATE_TEST_SUITE_P(
         Growing{"Deadline", kReasonDeadlineMissed,
                 [](auto&, auto& matcher, auto&, auto&) { ++matcher.stage.deadline_misses; }},
         Growing{"Tiles", kReasonMapFull, [](auto&, auto&, auto& filter, auto&) { ++filter.refused_tiles; }},
-        Growing{"Outside", kReasonMapFull, [](auto&, auto&, auto& filter, auto&) { ++filter.outside_tiles; }},
         Growing{"Cloud", kReasonCloudFull,
                 [](auto&, auto&, auto&, auto& around) { around.cloud = CloudHealth{.refused = 1}; }},
         Growing{"Publishing", kReasonPublishing, [](auto&, auto&, auto&, auto& around) { ++around.publish_errors; }},

@@ -174,6 +174,8 @@ TEST_F(LcmLinkTap, ReportsHealthAndThatTheLaserLives) {
                                     {LrfDriver::kRplidar, -1},
                                     {LrfDriver::kLdrobot, -1},
                                     {LrfDriver::kYdlidar, -1},
+                                    {LrfDriver::kSopas, 2},
+                                    {LrfDriver::kCsv, -1},
                                     {LrfDriver::kLcm, -1}}) {
     link_.set_laser(laser);
     ASSERT_EQ(link_.publish(test::example_health()), Errc::kOk);

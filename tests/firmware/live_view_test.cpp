@@ -198,9 +198,22 @@ TEST_F(LiveViewTest, ShowsAScanWhereItsPoseHasIt) {
   EXPECT_EQ(nlohmann::json::parse(events[0].data)["points_cm"], nlohmann::json::parse("[200, 200, 100, 400]"));
 }
 
-TEST_F(LiveViewTest, WhatLiesOutsideOfTheGridIsLeftOut) {
-  publish_tile(1000, 0, 0);
-  publish_tile(0, -1000, 0);
+TEST_F(LiveViewTest, FollowsTheRobotHoweverFarAndKeepsTheNewestTiles) {
+  for (int column = 0; column < 1000; ++column) {
+    publish_tile(column, -column, 0);
+  }
+  LiveCursor cursor;
+  std::vector<Event> tiles;
+  for (int i = 0; i < 100; ++i) {
+    const std::vector<Event> more = told(cursor, "tile");
+    tiles.insert(tiles.end(), more.begin(), more.end());
+  }
+  ASSERT_EQ(tiles.size(), 11U);  // as many as the grid touches
+  EXPECT_EQ(tiles.front().data, "989 -989 a16384");
+  EXPECT_EQ(tiles.back().data, "999 -999 a16384");
+}
+
+TEST_F(LiveViewTest, TilesOfAnotherSizeAreLeftOut) {
   view_.take({.column = 0, .row = 0, .size_cells = 2}, std::vector<std::uint8_t>(4));
   LiveCursor cursor;
   EXPECT_TRUE(told(cursor, "tile").empty());

@@ -57,6 +57,36 @@ TEST(Status, TellsAProgramTheSame) {
   EXPECT_FALSE(json.contains("cloud"));
 }
 
+TEST(Status, TellsOfThePoseGraph) {
+  DaemonStatus status = lost_status();
+  EXPECT_THAT(status_text(status), ::testing::Not(HasSubstr("pose graph")));
+  status.health.graph = {.submaps = 79,
+                         .loop_closures = 221,
+                         .used = 0.041,
+                         .keyframes_left_out = 3,
+                         .map_T_odom = {0.5, -0.25, std::numbers::pi}};
+  EXPECT_THAT(status_text(status),
+              HasSubstr("pose graph: 79 submaps, 221 loop closures, 4 % of its memory; 3 keyframes left out\n"));
+  const auto json = nlohmann::json::parse(status_json(status).dump())["pose_graph"];
+  EXPECT_EQ(json["submaps"], 79);
+  EXPECT_EQ(json["loop_closures"], 221);
+  EXPECT_EQ(json["memory_used"], 0.041);
+  EXPECT_EQ(json["keyframes_left_out"], 3);
+  EXPECT_DOUBLE_EQ(json["map_T_odom"]["yaw_deg"], 180.0);
+}
+
+TEST(Status, TellsHowASaveGetsOn) {
+  DaemonStatus status = lost_status();
+  EXPECT_THAT(status_text(status), ::testing::Not(HasSubstr("save:")));
+  EXPECT_EQ(status_json(status)["save"]["state"], "none");
+  status.save = {.state = SaveStatus::State::kSaving, .since_s = 1.25, .doing = "writing map.png"};
+  EXPECT_THAT(status_text(status), HasSubstr("save: under way for 1.2 s: writing map.png\n"));
+  EXPECT_EQ(status_json(status)["save"]["state"], "saving");
+  status.save = {.state = SaveStatus::State::kFailed, .since_s = 3.0, .wrong = "/out: No space left on device"};
+  EXPECT_THAT(status_text(status), HasSubstr("save: FAILED 3.0 s ago: /out: No space left on device\n"));
+  EXPECT_EQ(status_json(status)["save"]["error"], "/out: No space left on device");
+}
+
 TEST(Status, BeforeTheFirstPoseThereIsNone) {
   EXPECT_THAT(status_text({}), HasSubstr("pose: none yet\n"));
   EXPECT_TRUE(status_json({})["pose"].is_null());

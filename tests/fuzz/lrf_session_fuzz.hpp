@@ -53,8 +53,7 @@ class RoundRoom final : public EmulatedScans {
 inline void fuzz_session(const std::string& model, const LrfParams& params, std::string_view rest) {
   const bool is_empty = rest.empty();
   std::int64_t now_ns = 1000 * kSecond;
-  static const std::int64_t period_ns = period_ns_of(model);
-  RoundRoom source(period_ns);
+  RoundRoom source(period_ns_of(model));
   const auto device = make_emulated_lrf(model, source, {}, now_ns);
   const auto session = make_lrf_session(params, 700);
   SessionContract contract(*session);

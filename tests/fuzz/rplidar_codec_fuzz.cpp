@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "drivers/lrf/rplidar/capsule.hpp"
 #include "drivers/lrf/rplidar/packet.hpp"
 #include "drivers/lrf/rplidar/point_reader.hpp"
 #include "drivers/lrf/rplidar/turn.hpp"
@@ -29,11 +30,12 @@ void mend_node(std::span<std::uint8_t> node) {
   node[1] |= 1U;
 }
 
-void mend(std::vector<std::uint8_t>& bytes, bool express) {
-  const std::size_t packet = express ? rplidar::kCapsuleBytes : rplidar::kNodeBytes;
+/// @param format  Null: nodes.
+void mend(std::vector<std::uint8_t>& bytes, const rplidar::CapsuleFormat* format) {
+  const std::size_t packet = format == nullptr ? rplidar::kNodeBytes : format->bytes;
   for (std::size_t at = 0; at + packet <= bytes.size(); at += packet) {
     const auto one = std::span(bytes).subspan(at, packet);
-    express ? mend_capsule(one) : mend_node(one);
+    format == nullptr ? mend_node(one) : mend_capsule(one);
   }
 }
 
@@ -62,16 +64,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   odoless::test::FuzzInput input(data, size);
   const std::uint8_t head = input.byte();
   const std::size_t step = 1U + input.byte() % 96U;
-  const bool express = (head & 1U) != 0;
+  const std::size_t kind = head % 8U;
+  const rplidar::CapsuleFormat* const format =
+      kind < rplidar::kCapsuleFormats.size() ? &rplidar::kCapsuleFormats[kind] : nullptr;
   const auto rest = input.take(size);
   std::vector<std::uint8_t> bytes(rest.begin(), rest.end());
-  if ((head & 2U) != 0) {
-    mend(bytes, express);
+  if ((head & 8U) != 0) {
+    mend(bytes, format);
   }
   const auto all_bytes = std::as_bytes(std::span<const std::uint8_t>(bytes));
   static_cast<void>(rplidar::descriptor_of(all_bytes.first(std::min(all_bytes.size(), rplidar::kDescriptorBytes))));
   odoless::test::check_any_split(all_bytes, step, [&](auto all, std::size_t at_once) {
-    rplidar::PointReader reader(express ? odoless::RplidarScan::kExpress : odoless::RplidarScan::kStandard);
+    rplidar::PointReader reader;
+    reader.start(format);
     turn.clear();
     Digest found;
     odoless::test::feed(all, at_once, [&](std::span<const std::byte>& piece) {

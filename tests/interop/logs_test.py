@@ -152,7 +152,7 @@ class Test:
 
     def trajectory(self, name):
         out = self.path("out")
-        done = self.run("replay", self.logs[name], "--out", out)
+        done = self.run("replay", self.logs[name], "--force", "--out", out)
         expect(done.returncode == 0, f"{name}: replay ends with {done.returncode}: {done.stderr.decode()}")
         lines = (out / "trajectory.tum").read_text(encoding="ascii").splitlines()
         return [[float(word) for word in line.split()] for line in lines if not line.startswith("#")]

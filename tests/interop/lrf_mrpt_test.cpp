@@ -143,7 +143,7 @@ TEST_F(Mrpt, ReadsASick) {
 // front.
 TEST_F(Mrpt, ReadsAnRplidar) {
   for (const char* const model :
-       {"rplidar-a1-1.16", "rplidar-a1", "rplidar-a2"}) {  // the first by the standard, the others by the express scan
+       {"rplidar-a1-1.16", "rplidar-a1", "rplidar-a2"}) {  // the first by the standard scan, the others by capsules
     SCOPED_TRACE(model);
     mrpt::hwdrivers::CRoboPeakLidar client;
     connect(client, model, "");

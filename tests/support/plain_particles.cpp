@@ -1,5 +1,6 @@
 #include "tests/support/plain_particles.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/slam/particle_weights.hpp"
@@ -12,17 +13,22 @@ int whole_tiles_cells(double extent_cells) { return 16 * static_cast<int>(std::c
 
 }  // namespace
 
-PlainMap::PlainMap(const GridGeometry& grid)
-    : columns_(grid.columns), rows_(grid.rows), cells_(static_cast<std::size_t>(grid.columns * grid.rows)) {}
+void PlainMap::move(const GridGeometry& window) {
+  window_ = window;
+  std::erase_if(cells_, [this](const auto& cell) { return !has(cell.first.first, cell.first.second); });
+}
+
+bool PlainMap::has(int column, int row) const {
+  return column >= window_.first_column && column < window_.first_column + window_.columns &&
+         row >= window_.first_row && row < window_.first_row + window_.rows;
+}
 
 Cell& PlainMap::at(const GridCell& cell) {
-  const int column = cell.column();
-  const int row = cell.row();
-  if (column < 0 || row < 0 || column >= columns_ || row >= rows_) {
-    outside_ = Cell{};
-    return outside_;
+  if (has(cell.column(), cell.row())) {
+    return cells_[{cell.column(), cell.row()}];
   }
-  return cells_[static_cast<std::size_t>(row * columns_ + column)];
+  outside_ = Cell{};
+  return outside_;
 }
 
 PlainParticles::PlainParticles(const LslamParams& params, std::uint64_t seed)
@@ -63,6 +69,9 @@ void PlainParticles::update(const Motion& motion, const ScanFrame& scan) {
       systematic_copies(weights_, static_cast<int>(wanted_particles_), rng_.uniform(), copies);
     }
   }
+  if (started_) {
+    follow();
+  }
   for (Particle& particle : particles_) {
     map_scan(particle, scan);
   }
@@ -81,6 +90,21 @@ void PlainParticles::weigh(Particle& particle, const std::vector<Beam>& beams) c
         climb(particle.map_T_scan, params_.refine_step_m, params_.refine_step_rad, params_.refine_steps, score);
     particle.map_T_scan = found.pose;
     particle.log_weight += params_.tempering * found.score;
+  }
+}
+
+void PlainParticles::follow() {
+  const auto heaviest = std::max_element(weights_.begin(), weights_.end()) - weights_.begin();
+  const Pose2& pose = particles_[static_cast<std::size_t>(heaviest)].map_T_scan;
+  const auto moved = [](double cell, int first, int cells) {
+    const double from_first = std::floor(cell) - first;
+    return first + (from_first < 0.25 * cells ? -16 : from_first >= 0.75 * cells ? 16 : 0);
+  };
+  const Point2 cell = grid_.cells(pose.x_m, pose.y_m);
+  grid_.first_column = moved(cell.x_m, grid_.first_column, grid_.columns);
+  grid_.first_row = moved(cell.y_m, grid_.first_row, grid_.rows);
+  for (Particle& particle : particles_) {
+    particle.map.move(grid_);
   }
 }
 

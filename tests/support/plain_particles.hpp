@@ -1,23 +1,28 @@
 #pragma once
 
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "core/slam/lslam.hpp"
 
 namespace odoless {
 
-/// A map of its own: every cell of the grid, copied as a whole.
+/// A map of its own: every cell by its column and row, copied as a whole.
 class PlainMap {
  public:
-  explicit PlainMap(const GridGeometry& grid);
+  explicit PlainMap(const GridGeometry& window) : window_(window) {}
 
-  /// Outside of the grid: a cell that is always unknown when read, and takes what is written.
+  /// Forgets what this window lacks.
+  void move(const GridGeometry& window);
+  /// Outside of the window: a cell that is always unknown when read, and takes what is written.
   [[nodiscard]] Cell& at(const GridCell& cell);
 
  private:
-  int columns_;
-  int rows_;
-  std::vector<Cell> cells_;
+  [[nodiscard]] bool has(int column, int row) const;
+
+  GridGeometry window_;
+  std::map<std::pair<int, int>, Cell> cells_;
   Cell outside_;
 };
 
@@ -45,6 +50,8 @@ class PlainParticles {
  private:
   void weigh(Particle& particle, const std::vector<Beam>& beams) const;
   void map_scan(Particle& particle, const ScanFrame& scan) const;
+  /// Where the heaviest particle is not in the middle half of the window, this moves by a tile.
+  void follow();
   void resample(const std::vector<int>& copies);
 
   LslamParams params_;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "tests/tools/emulate_support.hpp"
@@ -18,6 +19,14 @@ std::string bytes(std::initializer_list<int> values) {
   std::string text;
   for (const int value : values) {
     text += static_cast<char>(value);
+  }
+  return text;
+}
+
+std::string number(unsigned value, int bytes) {
+  std::string text;
+  for (; bytes > 0; --bytes, value >>= 8U) {
+    text += static_cast<char>(value & 0xFFU);
   }
   return text;
 }
@@ -60,33 +69,64 @@ class EmulatedRplidar : public ::testing::TestWithParam<const char*> {
 };
 
 using EmulatedNewRplidar = EmulatedRplidar;
-INSTANTIATE_TEST_SUITE_P(Models, EmulatedNewRplidar, ::testing::Values("rplidar-a1", "rplidar-a2"));
+INSTANTIATE_TEST_SUITE_P(Models, EmulatedNewRplidar,
+                         ::testing::Values("rplidar-a1", "rplidar-a2", "rplidar-a3", "rplidar-c1", "rplidar-s1",
+                                           "rplidar-s2", "rplidar-s3"));
 
 // An answer without a value makes a client read what isn't there.
 TEST_P(EmulatedNewRplidar, EverySettingThatTheSdkAsksForHasItsValue) {
-  const std::string usual = setting(0x01);
-  EXPECT_THAT(usual, SizeIs(4)) << "rpm and duty";
-  EXPECT_EQ(usual, model_.id == 0x28 ? bytes({600 & 0xFF, 600 >> 8, 660 & 0xFF, 660 >> 8})
-                                     : bytes({329 & 0xFF, 329 >> 8, 0, 0}));
-  EXPECT_EQ(setting(0x02), bytes({3, 0, 0, 0}));
+  EXPECT_EQ(setting(0x01),
+            number(static_cast<unsigned>(model_.usual_rpm()), 2) + number(static_cast<unsigned>(model_.motor_duty), 2))
+      << "rpm and duty";
+  EXPECT_EQ(setting(0x02), number((1U << model_.modes.size()) - 1U, 4));
   EXPECT_THAT(setting(0x04), SizeIs(2));
   EXPECT_THAT(setting(0x05), SizeIs(2));
   EXPECT_THAT(setting(0x60), SizeIs(4));
-  EXPECT_EQ(setting(0x70), bytes({2, 0}));
-  EXPECT_EQ(setting(0x7C), bytes({1, 0}));
-  for (const int mode : {0, 1}) {
-    EXPECT_THAT(setting(0x71, mode), SizeIs(4));
-    EXPECT_THAT(setting(0x74, mode), SizeIs(4));
-    EXPECT_EQ(setting(0x75, mode), bytes({0x81 + mode}));
-    EXPECT_EQ(setting(0x7F, mode), std::string(mode == 0 ? "Standard" : "Express") + '\0');
+  EXPECT_EQ(setting(0x70), number(static_cast<unsigned>(model_.modes.size()), 2));
+  EXPECT_EQ(setting(0x7C), number(static_cast<unsigned>(model_.usual_mode), 2));
+  for (std::size_t i = 0; i < model_.modes.size(); ++i) {
+    const RplidarMode& mode = model_.modes[i];
+    const int id = static_cast<int>(i);
+    EXPECT_EQ(setting(0x71, id), number(static_cast<unsigned>(std::lround(256.0 * mode.sample_us)), 4));
+    EXPECT_EQ(setting(0x74, id), number(static_cast<unsigned>(256.0 * mode.range_max_m), 4));
+    EXPECT_EQ(setting(0x75, id), number(static_cast<unsigned>(mode.answer_type), 1));
+    EXPECT_EQ(setting(0x7F, id), std::string(mode.name) + '\0');
   }
-  EXPECT_THAT(setting(0x71, 2), IsEmpty()) << "there is no such mode";
+  EXPECT_THAT(setting(0x71, static_cast<int>(model_.modes.size())), IsEmpty()) << "there is no such mode";
 }
 
-TEST_P(EmulatedNewRplidar, StartsTheScanOfItsListAndNoOther) {
+TEST_P(EmulatedNewRplidar, StartsTheScansOfItsListAndNoOther) {
   static_cast<void>(said(request(0xF0, bytes({0x94, 0x02}))));
-  EXPECT_THAT(said(request(0x82, bytes({2, 0, 0, 0, 0}))), IsEmpty());
-  EXPECT_EQ(said(request(0x82, bytes({1, 0, 0, 0, 0}))), bytes({0xA5, 0x5A, 84, 0, 0, 0x40, 0x82}));
+  for (std::size_t i = 1; i < model_.modes.size(); ++i) {
+    const rplidar::CapsuleFormat& format = *rplidar::find_capsule_format(model_.modes[i].answer_type);
+    EXPECT_EQ(said(request(0x82, bytes({static_cast<int>(i), 0, 0, 0, 0}))),
+              bytes({0xA5, 0x5A, static_cast<int>(format.bytes), 0, 0, 0x40, format.type}));
+    static_cast<void>(said(bytes({0xA5, 0x25})));
+  }
+  EXPECT_THAT(said(request(0x82, bytes({static_cast<int>(model_.modes.size()), 0, 0, 0, 0}))), IsEmpty());
+}
+
+// Owners' logs of an A1 (7.9 kHz by Sensitivity), an A2 (8.0 by Boost), an A3 (15.9), a C1 (5), an S1 (9.2), an S2
+// (32).
+TEST(EmulatedRplidars, TellTheFiguresThatOwnersPublished) {
+  const auto usual_khz = [](std::string_view name) {
+    const RplidarModel& model = *find_rplidar_model(name);
+    return 1000.0 / model.modes[model.usual_mode].sample_us;
+  };
+  EXPECT_NEAR(usual_khz("rplidar-a1"), 7.9, 0.05);
+  EXPECT_NEAR(usual_khz("rplidar-a2"), 8.0, 0.05);
+  EXPECT_NEAR(usual_khz("rplidar-a3"), 15.9, 0.05);
+  EXPECT_NEAR(usual_khz("rplidar-c1"), 5.0, 0.05);
+  EXPECT_NEAR(usual_khz("rplidar-s1"), 9.2, 0.05);
+  EXPECT_NEAR(usual_khz("rplidar-s2"), 32.0, 0.05);
+  for (const RplidarModel& model : rplidar_models()) {
+    for (const RplidarMode& mode : model.modes) {
+      const rplidar::CapsuleFormat* const format = rplidar::find_capsule_format(mode.answer_type);
+      const double sample_bytes =
+          format == nullptr ? 5.0 : static_cast<double>(format->bytes) / static_cast<double>(format->points);
+      EXPECT_LT(10.0 * sample_bytes * 1e6 / mode.sample_us, model.baud) << model.name << " " << mode.name;
+    }
+  }
 }
 
 using EmulatedOldRplidar = EmulatedRplidar;

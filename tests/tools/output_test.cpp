@@ -7,8 +7,10 @@
 #include "tests/support/temporary_folder.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/reference_poses.hpp"
+#include "tools/odolessd/run_folder.hpp"
 #include "tools/output/map_files.hpp"
 #include "tools/output/matches.hpp"
+#include "tools/output/result_folder.hpp"
 #include "tools/output/sha256.hpp"
 #include "tools/output/trajectory.hpp"
 #include "tools/output/whole_file.hpp"
@@ -54,6 +56,103 @@ TEST(WholeFile, MakesFolders) {
   const auto file = folder.file("file", "");
   EXPECT_EQ(exit_code_of([&] { make_output_folder(file); }), 73);
   EXPECT_EQ(exit_code_of([&] { make_output_folder(file / "under"); }), 73);
+}
+
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    names.push_back(entry.path().filename().string());
+  }
+  return names;
+}
+
+void write_results(ResultFolder& results, const std::string& content) {
+  write_whole_file(results.unfinished() / "map.pgm", content);
+  write_whole_file(results.unfinished() / kSummaryFile, content);
+}
+
+TEST(ResultFolder, AppearsWithAllItsFilesOrNotAtAll) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path out = folder.path() / "a" / "out";
+  {
+    ResultFolder given_up(out, false);
+    write_results(given_up, "half");
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+  EXPECT_THAT(names_in(folder.path() / "a"), testing::IsEmpty()) << "nothing of it is left";
+  ResultFolder results(out.string() + "/", false);
+  write_results(results, "all");
+  results.finish();
+  EXPECT_THAT(names_in(folder.path() / "a"), testing::ElementsAre("out"));
+  EXPECT_THAT(names_in(out), testing::UnorderedElementsAre("map.pgm", kSummaryFile));
+}
+
+TEST(ResultFolder, OverwritesNothingUnlessForced) {
+  const test::TemporaryFolder folder;
+  folder.file("summary.json", "of a run before");
+  folder.file("matches.csv", "of a run before");
+  folder.file("notes.txt", "a person's");
+  EXPECT_EQ(exit_code_of([&] { ResultFolder(folder.path(), false); }), 73);
+  EXPECT_EQ(exit_code_of([&] { ResultFolder(folder.path() / "notes.txt", true); }), 73);
+  EXPECT_EQ(test::content_of(folder.path() / kSummaryFile), "of a run before");
+  ResultFolder results(folder.path(), true);
+  write_results(results, "new");
+  EXPECT_EQ(test::content_of(folder.path() / kSummaryFile), "of a run before") << "until all is written";
+  results.finish();
+  EXPECT_EQ(test::content_of(folder.path() / kSummaryFile), "new");
+  EXPECT_THAT(names_in(folder.path()), testing::UnorderedElementsAre("map.pgm", kSummaryFile, "notes.txt"));
+}
+
+TEST(ResultFolder, TakesAnEmptyFolderAsItIs) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  std::filesystem::create_directory(out);
+  std::filesystem::permissions(out, std::filesystem::perms::owner_all);
+  ResultFolder results(out, false);
+  write_results(results, "new");
+  results.finish();
+  EXPECT_THAT(names_in(out), testing::UnorderedElementsAre("map.pgm", kSummaryFile));
+  EXPECT_THAT(names_in(folder.path()), testing::ElementsAre("out"));
+}
+
+TEST(ResultFolder, GivesWayWhereSomebodyElseWasFaster) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  ResultFolder late(out, false);
+  write_results(late, "late");
+  std::filesystem::create_directory(out);
+  write_whole_file(out / "map.pgm", "earlier");
+  EXPECT_EQ(exit_code_of([&] { late.finish(); }), 73);
+  EXPECT_EQ(test::content_of(out / "map.pgm"), "earlier");
+}
+
+TEST(ResultFolder, RemovesWhatAKilledProgramLeftAndNotWhatAnotherWrites) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / ".unfinished-1-0");
+  write_whole_file(folder.path() / ".unfinished-1-0" / "map.pgm", "half");
+  ResultFolder first(folder.path() / "first", false);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / ".unfinished-1-0"));
+  ResultFolder second(folder.path() / "second", false);
+  write_results(first, "first");
+  write_results(second, "second");
+  first.finish();
+  second.finish();
+  EXPECT_EQ(test::content_of(folder.path() / "first" / "map.pgm"), "first");
+  EXPECT_EQ(test::content_of(folder.path() / "second" / "map.pgm"), "second");
+}
+
+TEST(RunFolder, KeepsTheLastSaveOfARunAloneEvenWhereSomebodyRemovedTheOneBefore) {
+  const test::TemporaryFolder folder;
+  RunFolder run(folder.path() / "out");
+  const auto save = [&run] { return run.save([](const auto& path) { write_whole_file(path / kSummaryFile, "all"); }); };
+  for (int i = 0; i < 10; ++i) {  // some of them within one second: they take one name
+    const std::filesystem::path saved = save();
+    EXPECT_EQ(test::content_of(saved / kSummaryFile), "all");
+    EXPECT_THAT(names_in(folder.path() / "out"), testing::UnorderedElementsAre("latest", saved.filename().string()));
+    if (i % 2 == 1) {
+      std::filesystem::remove_all(saved);
+    }
+  }
 }
 
 TEST(Trajectory, IsTumWithExactStamps) {

@@ -1,4 +1,5 @@
 // What `odoless probe ADDRESS` finds out of a laser, on real lines.
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -116,14 +117,17 @@ TEST(ProbeSick, IsFoundBehindADeviceServerTheRateOfWhichIsNotOurs) {
 }
 
 TEST(ProbeRplidar, TellsTheRateThatItsMotorTurnsAt) {
-  const test::TemporaryFolder folder;
-  const std::string pty = folder.path() / "laser";
-  PseudoTerminal line(pty);
-  const ServedLrf laser("rplidar-a2", line);
-  const test::Outcome outcome = test::run({"probe", pty, "--patience-s", "2"});
-  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("360 beams over 359.0 deg, 0.15 to 25.0 m, 10.0 Hz\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("\nbaud = 115200\n"));
+  for (const auto& [model, baud] : {std::pair("rplidar-a2", 115200), {"rplidar-s2", 1000000}}) {
+    const test::TemporaryFolder folder;
+    const std::string pty = folder.path() / "laser";
+    PseudoTerminal line(pty);
+    const ServedLrf laser(model, line);
+    const test::Outcome outcome = test::run({"probe", pty, "--patience-s", "2"});
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr(fmt::format("360 beams over 359.0 deg, 0.15 to {}.0 m, 10.0 Hz\n",
+                                                   baud == 115200 ? 12 : 30)));
+    EXPECT_THAT(outcome.out, HasSubstr(fmt::format("\nbaud = {}\n", baud)));
+  }
 }
 
 TEST(ProbeScip, FindsALaserOnRs232) {

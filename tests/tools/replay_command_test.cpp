@@ -135,20 +135,24 @@ TEST_F(Replay, RefusesADamagedLogAndWritesNothing) {
   EXPECT_EQ(run({"replay", (folder_.path() / "none").string(), "--out", out("d").string()}).status, 66);
 }
 
+TEST_F(Replay, OverwritesNoOtherRunsResultsUnlessForced) {
+  for (const char* const command : {"replay", "match"}) {
+    ASSERT_EQ(run({command, log(), "--out", out(command).string()}).status, 0);
+    const std::string before = read(out(command) / "summary.json");
+    const Outcome refused = run({command, log(), "--out", out(command).string()});
+    EXPECT_EQ(refused.status, 73) << command;
+    EXPECT_THAT(refused.err, HasSubstr("--force"));
+    EXPECT_EQ(read(out(command) / "summary.json"), before);
+    EXPECT_EQ(run({command, log(), "--out", out(command).string(), "--force"}).status, 0);
+    EXPECT_NE(read(out(command) / "summary.json"), before) << "which has times";
+  }
+}
+
 TEST_F(Replay, HasNoOptionForOdometry) {
   const Outcome help = run({"replay", "--help"});
   EXPECT_EQ(help.status, 0);
   EXPECT_THAT(help.out, ::testing::Not(HasSubstr("odom ")));
   EXPECT_EQ(run({"replay", log(), "--out", out("e").string(), "--odometry", "yes"}).status, 64);
-}
-
-TEST(Config, DefaultsAreACompleteConfigurationFile) {
-  const Outcome defaults = run({"config", "defaults"});
-  ASSERT_EQ(defaults.status, 0);
-  EXPECT_THAT(defaults.out, HasSubstr("cell_size_m"));
-  const Outcome reference = run({"config", "reference"});
-  EXPECT_EQ(reference.status, 0);
-  EXPECT_THAT(reference.out, HasSubstr("matcher.score_min"));
 }
 
 }  // namespace

@@ -161,7 +161,7 @@ class WrongLog : public ::testing::TestWithParam<Mistake> {
 
   [[nodiscard]] Outcome job(const char* command, const std::vector<std::string>& options = {}) {
     const auto log = folder_.file("log.csv", to_csv(scans_));
-    std::vector<std::string> arguments{command, log.string(), "--out", (folder_.path() / command).string()};
+    std::vector<std::string> arguments{command, log.string(), "--force", "--out", (folder_.path() / command).string()};
     arguments.insert(arguments.end(), options.begin(), options.end());
     return run(arguments);
   }

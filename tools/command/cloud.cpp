@@ -11,7 +11,7 @@
 #include "tools/command/closing.hpp"
 #include "tools/command/parameter_options.hpp"
 #include "tools/output/progress.hpp"
-#include "tools/output/whole_file.hpp"
+#include "tools/output/result_folder.hpp"
 
 namespace odoless {
 namespace {
@@ -23,6 +23,7 @@ struct CloudOptions {
   double clock_ahead_ms = 0.0;
   bool clock_is_given = false;
   bool strict = false;
+  bool force = false;
 };
 
 CloudJob job_of(const CloudOptions& options) {
@@ -75,14 +76,17 @@ void print(const CloudJob& job, const CloudResult& result) {
 }
 
 void run(const CloudOptions& options) {
-  const CloudJob job = job_of(options);
-  make_output_folder(job.out);
+  const CloudJob wanted = job_of(options);
+  ResultFolder folder(wanted.out, options.force);
+  CloudJob job = wanted;
+  job.out = folder.unfinished();
   std::unique_ptr<Progress> bar;
   const CloudResult result = run_cloud_job(job, show_on(bar));
   bar.reset();
   tell_corrections(job.input, result.corrected);
   write_cloud_result(job, result);
-  print(job, result);
+  folder.finish();
+  print(wanted, result);
   close_job(job.input, result.verdict, options.strict);
 }
 
@@ -124,7 +128,8 @@ void add_cloud(CLI::App& app) {
       ->add_option("INPUT", options->job.input,
                    "Tilt log (CSV, also .gz or .xz), or a .world file in which to simulate one")
       ->required();
-  command->add_option("--out", options->job.out, "Folder for the results")->required();
+  command->add_option("--out", options->job.out, "Folder for the results, new or empty")->required();
+  command->add_flag("--force", options->force, "Replace the results that are in the folder");
   command->add_option("--config", options->config, "TOML file; its [mapping] has the extrinsic calibration");
   command->add_option("--seed", options->job.seed, "Seed of the random generator")->capture_default_str();
   command->add_option("--keys-shown", options->job.keys_shown, "Also draw the first so many key poses' points alone")

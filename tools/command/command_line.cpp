@@ -16,6 +16,8 @@
 #include "config/misspelling.hpp"
 #include "tools/command/campaign.hpp"
 #include "tools/command/cloud.hpp"
+#include "tools/command/completion.hpp"
+#include "tools/command/config.hpp"
 #include "tools/command/ctl.hpp"
 #include "tools/command/empty_values.hpp"
 #include "tools/command/emulate.hpp"
@@ -24,6 +26,7 @@
 #include "tools/command/experiment.hpp"
 #include "tools/command/graph.hpp"
 #include "tools/command/info.hpp"
+#include "tools/command/manual.hpp"
 #include "tools/command/probe.hpp"
 #include "tools/command/replay.hpp"
 #include "tools/command/sim.hpp"
@@ -53,6 +56,8 @@ void add_commands(CLI::App& app) {
   add_ctl(app);
   add_memory(app);
   add_config(app);
+  add_manual(app);
+  add_completion(app);
 }
 
 int fail(int exit_code, const char* what, const char* reason) {

@@ -7,7 +7,9 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
@@ -35,6 +37,7 @@ struct CtlArguments {
   std::string socket;
   bool json = false;
   bool watch = false;
+  bool force = false;
   std::vector<std::string> command;
 };
 
@@ -43,6 +46,14 @@ std::string line_of(const CtlArguments& arguments) {
   std::string command;
   for (const std::string& word : arguments.command) {
     command += (command.empty() ? "" : " ") + word;
+  }
+  const bool is_save_to = arguments.command.front() == "save" && arguments.command.size() == 2;
+  if (arguments.force && !is_save_to) {
+    throw UsageError("--force goes with save PATH alone");
+  }
+  if (is_save_to) {  // the daemon has another working directory
+    command = fmt::format("save {}{}", arguments.force ? "--force " : "",
+                          std::filesystem::absolute(arguments.command.back()).lexically_normal().string());
   }
   if (command.size() > ControlServer::kCommandMaxBytes || command.find('\n') != std::string::npos) {
     throw UsageError(fmt::format("a command is one line of at most {} bytes", ControlServer::kCommandMaxBytes));
@@ -70,9 +81,33 @@ std::string ask(const std::string& socket, const std::string& command) {
   return answer;
 }
 
+/// Waits until the save that was begun is done, and says where it is.
+void follow_save(const std::string& socket) {
+  const bool shows = ::isatty(STDERR_FILENO) == 1;
+  nlohmann::json save;
+  do {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    save = nlohmann::json::parse(ask(socket, "status json"))["save"];
+    if (shows) {
+      fmt::print(stderr, "\r{}\033[K", save["doing"].get<std::string>());
+    }
+  } while (save["state"] == "saving");
+  if (shows) {
+    fmt::print(stderr, "\r\033[K");
+  }
+  if (save["state"] != "saved") {
+    throw CannotCreateError("not saved: " + save["error"].get<std::string>());
+  }
+  fmt::print("saved in {}\n", save["folder"].get<std::string>());
+}
+
 void run_ctl(const CtlArguments& arguments) {
   const std::string socket = arguments.socket.empty() ? load(arguments.config).control.socket : arguments.socket;
   const std::string command = line_of(arguments);
+  if (command.starts_with("save")) {
+    static_cast<void>(ask(socket, command));
+    return follow_save(socket);
+  }
   const bool renews = arguments.watch && !arguments.json && ::isatty(STDOUT_FILENO) == 1;
   for (bool again = true; again; again = arguments.watch) {
     fmt::print("{}{}", renews ? "\033[H\033[J" : "", ask(socket, command));
@@ -101,10 +136,12 @@ void add_ctl(CLI::App& app) {
   command->add_option("--socket", arguments->socket, "The socket itself");
   command->add_flag("--json", arguments->json, "With status: one JSON object, on one line");
   command->add_flag("--watch", arguments->watch, "With status: every second anew, until interrupted");
+  command->add_flag("--force", arguments->force, "With save PATH: replace results that are there");
   command
-      ->add_option("COMMAND", arguments->command,
-                   "status, save, reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, or stop; -- "
-                   "before negative numbers")
+      ->add_option(
+          "COMMAND", arguments->command,
+          "status, save [PATH], reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, or stop; -- "
+          "before negative numbers")
       ->required();
   command->callback([arguments] { run_ctl(*arguments); });
 }

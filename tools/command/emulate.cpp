@@ -93,9 +93,9 @@ void run(const EmulateLrfOptions& options) {
 
 void add_lrf(CLI::App& emulate) {
   auto options = std::make_shared<EmulateLrfOptions>();
-  CLI::App* const command = emulate.add_subcommand(
-      "lrf",
-      "A laser range finder (Hokuyo, SICK, RPLIDAR, LDROBOT, YDLIDAR) on a line of your choice, until it is stopped");
+  CLI::App* const command = emulate.add_subcommand("lrf",
+                                                   "A laser range finder (Hokuyo, SICK, RPLIDAR, LDROBOT, YDLIDAR, "
+                                                   "one's own) on a line of your choice, until it is stopped");
   command->add_option("--from", options->from, "World file (*.world), or a log of any kind that replay reads")
       ->required();
   add_line_options(*command, *options, true);

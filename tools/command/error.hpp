@@ -9,12 +9,16 @@ namespace odoless {
 /// sysexits.h. Thrown anywhere in tools, caught once in main.
 class UserError : public std::runtime_error {
  public:
-  UserError(int exit_code, const std::string& message) : std::runtime_error(message), exit_code_(exit_code) {}
+  UserError(int exit_code, const std::string& message, int error_number = 0)
+      : std::runtime_error(message), exit_code_(exit_code), error_number_(error_number) {}
 
   [[nodiscard]] int exit_code() const { return exit_code_; }
+  /// errno of the call that failed; 0: it was none.
+  [[nodiscard]] int error_number() const { return error_number_; }
 
  private:
   int exit_code_;
+  int error_number_;
 };
 
 /// Options or arguments that make no sense together: exit 64.
@@ -41,13 +45,13 @@ class NoInputError : public UserError {
 /// An output that cannot be created: exit 73.
 class CannotCreateError : public UserError {
  public:
-  explicit CannotCreateError(const std::string& message) : UserError(73, message) {}
+  explicit CannotCreateError(const std::string& message, int error_number = 0) : UserError(73, message, error_number) {}
 };
 
 /// A read or write that failed half-way: exit 74.
 class IoError : public UserError {
  public:
-  explicit IoError(const std::string& message) : UserError(74, message) {}
+  explicit IoError(const std::string& message, int error_number = 0) : UserError(74, message, error_number) {}
 };
 
 /// What the system says of an error number.

@@ -46,13 +46,16 @@ struct Protocol {
   const char* name;
   int baud = 0;
   double patience_s = 1e9;  ///< at most
+  bool is_for_networks = false;
 };
 constexpr Protocol kScip{LrfDriver::kScip, "SCIP (Hokuyo)"};
 /// In this order: SCIP's questions are plain text, an LDROBOT and some YDLIDARs speak unasked, an RPLIDAR answers
-/// within its first scan, and a SICK's rate must be searched for. A Hokuyo on USB has no rate; only one that is asked
-/// for a rate is searched for at all of them.
+/// within its first scan, and a SICK's rate must be searched for; SICK's other lasers are on networks. A Hokuyo on USB
+/// has no rate; only one that is asked for a rate is searched for at all of them.
 constexpr std::array kProtocols{kScip,
                                 Protocol{LrfDriver::kScip, "SCIP at the rates of RS-232", 115200},
+                                Protocol{LrfDriver::kSopas, "SOPAS (SICK TiM, LMS1xx)", 0, 1e9, true},
+                                Protocol{LrfDriver::kCsv, "lines of text", 0, 2.0, true},
                                 Protocol{LrfDriver::kLdrobot, "LDROBOT's packets", 0, 1.0},
                                 Protocol{LrfDriver::kYdlidar, "YDLIDAR's packets", 0, 3.0},
                                 Protocol{LrfDriver::kRplidar, "RPLIDAR's protocol"},
@@ -117,7 +120,8 @@ bool ask_all(const std::string& address, const ProbeOptions& options) {
   const bool rate_is_wanted = options.baud == 0 && is_serial(address);
   Errc error = Errc::kDeviceSilent;
   for (const Protocol& protocol : kProtocols) {
-    if (error == Errc::kDeviceSilent && (protocol.baud == 0 || rate_is_wanted)) {
+    const bool fits = protocol.is_for_networks ? !is_serial(address) : protocol.baud == 0 || rate_is_wanted;
+    if (error == Errc::kDeviceSilent && fits) {
       error = ask(address, protocol, options, "");  // a line that cannot be opened is asked once
     }
   }
@@ -175,7 +179,8 @@ void add_probe(CLI::App& app) {
   CLI::App* const command =
       app.add_subcommand("probe", "List what is connected to this machine, with the configuration for it (TOML)");
   command->add_option("ADDRESS", options->addresses,
-                      "Ask these instead, in every protocol: paths, tcp://ADDRESS:PORT, usb://VENDOR:PRODUCT[/SERIAL]");
+                      "Ask these instead, in every protocol: paths, tcp://ADDRESS:PORT, usb://VENDOR:PRODUCT[/SERIAL], "
+                      "udp://ADDRESS:PORT");
   command->add_flag("--quiet", options->quiet, "Send nothing to any device");
   command->add_option("--baud", options->baud, "Rate of serial lines; 0: searched for")
       ->check(CLI::Range(0, 4'000'000));

@@ -21,6 +21,7 @@
 #include "tools/output/map_picture.hpp"
 #include "tools/output/matches.hpp"
 #include "tools/output/progress.hpp"
+#include "tools/output/result_folder.hpp"
 #include "tools/output/sha256.hpp"
 #include "tools/output/trajectory.hpp"
 #include "tools/output/whole_file.hpp"
@@ -34,6 +35,7 @@ namespace {
 
 constexpr Rgb kEstimateColour{220, 50, 32};
 constexpr Rgb kTruthColour{0, 90, 181};
+constexpr Rgb kClosureColour{46, 125, 50};
 
 struct LogJob {
   std::string log;
@@ -44,6 +46,7 @@ struct LogJob {
   std::string web;
   double period_ms = 200.0;
   bool strict = false;
+  bool force = false;
   ReplayOptions options;
 };
 
@@ -99,8 +102,8 @@ void close(const LogJob& job, const Outcome& outcome) {
   close_job(job.log, outcome.verdict, job.strict);
 }
 
-void write_summary(const LogJob& job, const nlohmann::ordered_json& summary) {
-  write_whole_file(job.out / "summary.json", summary.dump(2) + "\n");
+void write_summary(const std::filesystem::path& folder, const nlohmann::ordered_json& summary) {
+  write_whole_file(folder / kSummaryFile, summary.dump(2) + "\n");
 }
 
 // The true path, where one is given, moved so that both paths begin in one pose; it is drawn and nothing else.
@@ -123,16 +126,32 @@ std::vector<ColouredPath> paths_to_draw(const LogJob& job, const ReplayResult& r
   return paths;
 }
 
-void write_replay(const LogJob& job, const ReplayResult& result, nlohmann::ordered_json summary) {
-  write_trajectory(job.out / "trajectory.tum", result.trajectory);
-  write_trajectory(job.out / "trajectory_online.tum", result.online_trajectory);
-  write_matches(job.out / "matches.csv", result.matches);
+// The loop closures that hold, each from the older submap, under the way from submap to submap.
+std::vector<ColouredPath> graph_to_draw(const PoseGraph& graph) {
+  std::vector<ColouredPath> paths;
+  for (const Constraint& constraint : graph.constraints()) {
+    if (constraint.is_loop && constraint.weight > 0.0) {
+      paths.push_back({{graph.pose(constraint.from), graph.pose(constraint.to)}, kClosureColour});
+    }
+  }
+  paths.push_back({{graph.poses().begin(), graph.poses().end()}, kEstimateColour});
+  return paths;
+}
+
+void write_replay(const LogJob& job, const std::filesystem::path& folder, const ReplayResult& result,
+                  nlohmann::ordered_json summary) {
+  write_trajectory(folder / "trajectory.tum", result.trajectory);
+  write_trajectory(folder / "trajectory_online.tum", result.online_trajectory);
+  write_matches(folder / "matches.csv", result.matches);
   if (!result.map.occupancy_percent.empty()) {
-    write_map(job.out, result.map);
-    write_map_picture(job.out / "map.png", result.map, paths_to_draw(job, result));
+    write_map(folder, result.map);
+    write_map_picture(folder / "map.png", result.map, paths_to_draw(job, result));
   }
   if (result.graph) {
-    write_whole_file(job.out / "pose_graph.g2o", format_g2o(*result.graph));
+    write_whole_file(folder / "pose_graph.g2o", format_g2o(*result.graph));
+    if (result.graph->size() > 0 && !result.map.occupancy_percent.empty()) {
+      write_map_picture(folder / "pose_graph.png", result.map, graph_to_draw(*result.graph));
+    }
     summary["submaps"] = result.graph->size();
     summary["loop_closures"] = result.closures.accepted - result.closures.taken_out;
     summary["loop_closures_taken_out"] = result.closures.taken_out;
@@ -144,8 +163,8 @@ void write_replay(const LogJob& job, const ReplayResult& result, nlohmann::order
   summary["least_fit"] = result.least_fit;
   summary["scan_mean_us_by_tenth"] = mean_by_tenth(result.scan_cpu_us);
   summary["rss_bytes_by_tenth"] = result.rss_bytes_by_tenth;
-  summary["sha256"] = sha256_of_file(job.out / "trajectory.tum");
-  write_summary(job, summary);
+  summary["sha256"] = sha256_of_file(folder / "trajectory.tum");
+  write_summary(folder, summary);
 }
 
 void run_replay(const LogJob& job) {
@@ -156,7 +175,7 @@ void run_replay(const LogJob& job) {
   const ResourceMeter meter;
   Outcome outcome;
   const ScanLog log = read_log(job, outcome.corrected);
-  make_output_folder(job.out);
+  ResultFolder folder(job.out, job.force);
   const auto page = job.web.empty() ? nullptr : std::make_unique<ReplayPage>(job.web);
   const std::int64_t scans = scans_used(log, job.options.every);
   ReplayResult result;
@@ -169,7 +188,8 @@ void run_replay(const LogJob& job) {
   outcome.times = result.source.times;
   nlohmann::ordered_json summary = summarise(result.matches, scans, result.log_duration_s, meter);
   add_outcome(outcome, summary);
-  write_replay(job, result, summary);
+  write_replay(job, folder.unfinished(), result, summary);
+  folder.finish();
   fmt::print("{} scans in {:.1f} s, {:.1f} times as fast as recorded; {}\n", scans, summary["wall_s"].get<double>(),
              summary["realtime_factor"].get<double>(),
              outcome.figures.is_mapped ? fmt::format("map in {}", (job.out / "map.png").string()) : "no map");
@@ -187,14 +207,14 @@ void run_match(const LogJob& job) {
   const ResourceMeter meter;
   Outcome outcome;
   const ScanLog log = read_log(job, outcome.corrected);
-  make_output_folder(job.out);
+  ResultFolder folder(job.out, job.force);
   const std::int64_t scans = scans_used(log, job.options.every);
   std::vector<MatchRow> rows;
   {
     Progress bar(scans - 1, InPipe::kLines);
     rows = match_pairs(log, params, job.options, show_on(bar));
   }
-  write_matches(job.out / "matches.csv", rows);
+  write_matches(folder.unfinished() / "matches.csv", rows);
   const double duration_s = rows.empty() ? 0.0 : rows.back().stamp_s - rows.front().reference_stamp_s;
   outcome.figures = figures_of(rows);
   outcome.times = times_of(log, job.options.every).findings;
@@ -202,7 +222,8 @@ void run_match(const LogJob& job) {
   outcome.verdict = judge(outcome.figures);
   nlohmann::ordered_json summary = summarise(rows, scans, duration_s, meter);
   add_outcome(outcome, summary);
-  write_summary(job, summary);
+  write_summary(folder.unfinished(), summary);
+  folder.finish();
   fmt::print("{} matches, median {:.0f} us, worst {:.0f} us; {} poor; {}\n", rows.size(),
              summary["match_median_us"].get<double>(), summary["match_max_us"].get<double>(),
              summary["poor_matches"].get<int>(), (job.out / "matches.csv").string());
@@ -213,7 +234,8 @@ CLI::App* add_log_job(CLI::App& app, const char* name, const char* what, LogJob&
   CLI::App* const command = app.add_subcommand(name, what);
   command->add_option("LOG", job.log, "Recorded log, of any kind that `odoless info` reads")->required();
   command->add_option("--topic", job.topic, "Topic of the scans, where a log of messages has several");
-  command->add_option("--out", job.out, "Folder for the results")->required();
+  command->add_option("--out", job.out, "Folder for the results, new or empty")->required();
+  command->add_flag("--force", job.force, "Replace the results that are in the folder");
   command->add_option("--config", job.config, "TOML file that overrides defaults (see `odoless config defaults`)");
   command->add_option("--every", job.options.every, "Use every N-th scan")
       ->check(CLI::Range(1, 1000000))
@@ -240,26 +262,6 @@ void add_match(CLI::App& app) {
   const auto job = std::make_shared<LogJob>();
   CLI::App* const command = add_log_job(app, "match", "Match each scan with the one before, nothing else", *job);
   command->callback([job] { run_match(*job); });
-}
-
-void add_config(CLI::App& app) {
-  CLI::App* const config = app.add_subcommand("config", "What a configuration file can say");
-  config->require_subcommand(1);
-  config->add_subcommand("reference", "Every key with its default, range and meaning, as Markdown")->callback([] {
-    fmt::print("{}", write_reference(DaemonParams{}));
-  });
-  const auto preset = std::make_shared<std::string>("default");
-  CLI::App* const defaults = config->add_subcommand("defaults", "A configuration file that says what is built in");
-  defaults->add_option("--preset", *preset, "default, or seed: plain Differential Evolution with N = 100 and G = 50")
-      ->check(CLI::IsMember({"default", "seed"}))
-      ->capture_default_str();
-  defaults->callback([preset] {
-    DaemonParams params;
-    if (*preset == "seed") {
-      params.robot.matcher = seed_matcher_params();
-    }
-    fmt::print("{}", write_toml(params));
-  });
 }
 
 }  // namespace odoless

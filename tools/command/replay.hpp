@@ -12,7 +12,4 @@ void add_replay(CLI::App& app);
 /// `odoless match LOG --out DIR`: pairwise matching alone.
 void add_match(CLI::App& app);
 
-/// `odoless config reference|defaults`: every parameter with its range and meaning; a file with all defaults.
-void add_config(CLI::App& app);
-
 }  // namespace odoless

@@ -1,6 +1,7 @@
 #include "tools/emulate/dynamixel_table.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "drivers/tilt/dynamixel/control_table.hpp"
 

@@ -5,6 +5,7 @@
 #include <linux/gpio.h>
 #include <sys/ioctl.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 

@@ -3,10 +3,12 @@
 #include <utility>
 
 #include "core/base/check.hpp"
+#include "tools/emulate/csv_device.hpp"
 #include "tools/emulate/ldrobot_device.hpp"
 #include "tools/emulate/rplidar_device.hpp"
 #include "tools/emulate/scip_device.hpp"
 #include "tools/emulate/sick_device.hpp"
+#include "tools/emulate/sopas_device.hpp"
 #include "tools/emulate/ydlidar_device.hpp"
 
 namespace odoless {
@@ -28,6 +30,11 @@ std::vector<EmulatedLrfModel> emulated_lrf_models() {
   for (const YdlidarModel& model : ydlidar_models()) {
     models.push_back({std::string(model.name), std::string(model.product), model.turn_ns, model.range_sd_m});
   }
+  for (const SopasModel& model : sopas_models()) {
+    models.push_back({std::string(model.name), std::string(model.product), model.turn_ns, model.range_sd_m});
+  }
+  models.push_back(
+      {std::string(CsvDevice::kName), std::string(CsvDevice::kProduct), CsvDevice::kTurnNs, CsvDevice::kRangeSdM});
   return models;
 }
 
@@ -44,6 +51,12 @@ std::unique_ptr<EmulatedLrf> make_emulated_lrf(std::string_view name, EmulatedSc
   }
   if (const YdlidarModel* const model = find_ydlidar_model(name); model != nullptr) {
     return std::make_unique<YdlidarDevice>(*model, source, std::move(options));
+  }
+  if (const SopasModel* const model = find_sopas_model(name); model != nullptr) {
+    return std::make_unique<SopasDevice>(*model, source, std::move(options), now_ns);
+  }
+  if (name == CsvDevice::kName) {
+    return std::make_unique<CsvDevice>(source, std::move(options), now_ns);
   }
   const RplidarModel* const model = find_rplidar_model(name);
   ODOLESS_CHECK(model != nullptr);

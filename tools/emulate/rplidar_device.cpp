@@ -8,22 +8,15 @@
 #include <numbers>
 #include <utility>
 
+#include "drivers/lrf/arrival_clock.hpp"
 #include "drivers/lrf/rplidar/packet.hpp"
 
 namespace odoless {
 namespace {
 
 constexpr std::size_t kExpressPayload = 5;
-constexpr unsigned char kExpressModeMax = 1;  ///< 0 is it for older clients, 1 by the list of modes
-constexpr double kFarCompensationDeg = 7.0;
-constexpr double kParallaxDegM = 1.0;
-
-/// What the device takes off the mirror's angle for a point at that range, in its steps of an eighth of a degree: the
-/// receiver sits beside the laser.
-double compensation_at_deg(double range_m) {
-  const double exact_deg = kFarCompensationDeg - kParallaxDegM / std::max(range_m, kParallaxDegM / kFarCompensationDeg);
-  return std::round(8.0 * exact_deg) / 8.0;
-}
+constexpr int kLooks = 4;  ///< until the direction of a point and its range agree
+constexpr std::int64_t kNodesAtOnceNs = 4'000'000;
 
 char byte(unsigned value) { return static_cast<char>(value & 0xFFU); }
 void put(std::string& text, unsigned value) {
@@ -47,36 +40,54 @@ unsigned xor_of(std::string_view bytes) {
   return sum;
 }
 
-unsigned quarter_mm(double range_m) { return static_cast<unsigned>(std::lround(range_m * 4000.0)); }
-unsigned eighths(double angle_deg) { return static_cast<unsigned>(std::lround(angle_deg * 8.0)); }
-unsigned q6(double angle_deg) { return static_cast<unsigned>(std::lround((angle_deg + 360.0) * 64.0)) % (360U * 64U); }
-
 }  // namespace
 
 RplidarDevice::RplidarDevice(const RplidarModel& model, EmulatedScans& source, EmulatedLrfOptions options)
-    : EmulatedLrf(source, std::move(options)), model_(model) {}
+    : EmulatedLrf(source, std::move(options)), model_(model), speed_rpm_(model.usual_rpm()) {}
 
 void RplidarDevice::restart(std::int64_t now_ns) {
   received_.clear();
-  mode_ = Mode::kIdle;
+  mode_.reset();
   motor_duty_ = 0;
-  send(fmt::format("RP LIDAR System.\r\nFirmware Ver 1.{} - rel, HW Ver 7\r\n", model_.firmware_minor), now_ns);
+  speed_rpm_ = model_.usual_rpm();
+  if (model_.triangulates()) {
+    send(fmt::format("RP LIDAR System.\r\nFirmware Ver {}.{} - rel, HW Ver {}\r\n", model_.firmware_major,
+                     model_.firmware_minor, model_.hardware),
+         now_ns);
+  }
 }
 
+bool RplidarDevice::turns() const { return model_.motor_duty > 0 ? motor_duty_ > 0 : speed_rpm_ > 0; }
+
 std::int64_t RplidarDevice::sample_ns() const {
-  return (mode_ == Mode::kExpress ? model_.express_sample_us : model_.sample_us) * std::int64_t{1000};
+  return std::llround(model_.modes[mode_.value_or(0)].sample_us * 1000.0);
+}
+
+std::int64_t RplidarDevice::samples_per_piece() const {
+  return format_ == nullptr ? kNodesAtOnceNs / sample_ns() : format_->points;
 }
 
 std::int64_t RplidarDevice::due_ns(std::int64_t piece) const {
-  const std::int64_t bytes = mode_ == Mode::kExpress ? 84 : 5;  // the nodes before have been sent meanwhile
-  return origin_ns() + ((piece + 1) * samples_per_piece() - 1) * sample_ns() + bytes * 10 * 1'000'000'000 / model_.baud;
+  // The nodes before have been sent meanwhile.
+  const std::size_t bytes = format_ == nullptr ? rplidar::kNodeBytes : format_->bytes;
+  return origin_ns() + ((piece + 1) * samples_per_piece() - 1) * sample_ns() + transfer_ns(bytes, model_.baud);
+}
+
+/// What is taken off the mirror's angle for a point at that range.
+double RplidarDevice::compensation_deg(double range_m) const {
+  if (!model_.triangulates()) {
+    return 0.0;
+  }
+  const double exact_deg = rplidar::compensation_deg(range_m);
+  const bool is_express = format_ != nullptr && format_->type == rplidar::kExpressType;
+  return is_express ? rplidar_express_compensation_deg(exact_deg) : exact_deg;
 }
 
 /// The mirror's since the turn that is measured began, with its far points to the front; at any sample.
 double RplidarDevice::mirror_deg(std::int64_t index) const {
   const std::int64_t start_ns = source().start_ns(turn_);
   const auto turn_ns = static_cast<double>(source().start_ns(turn_ + 1) - start_ns);
-  return 360.0 * static_cast<double>(index * sample_ns() - start_ns) / turn_ns + kFarCompensationDeg;
+  return 360.0 * static_cast<double>(index * sample_ns() - start_ns) / turn_ns + compensation_deg(model_.range_far_m);
 }
 
 void RplidarDevice::measure_turn(std::int64_t turn) {
@@ -87,11 +98,11 @@ void RplidarDevice::measure_turn(std::int64_t turn) {
   const auto count = static_cast<std::size_t>(end - turn_begin_);
   beams_.resize(count);
   ranges_m_.resize(count);
-  compensations_deg_.assign(count, kFarCompensationDeg);
-  for (const bool is_range_known : {false, true}) {  // it tells where exactly the device says that it has looked
+  compensations_deg_.assign(count, compensation_deg(model_.range_far_m));
+  for (int look = 0; look < (model_.triangulates() ? kLooks : 1); ++look) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::int64_t index = turn_begin_ + static_cast<std::int64_t>(i);
-      compensations_deg_[i] = is_range_known ? compensation_at_deg(ranges_m_[i]) : kFarCompensationDeg;
+      compensations_deg_[i] = look > 0 ? compensation_deg(ranges_m_[i]) : compensations_deg_[i];
       beams_[i] = {-(mirror_deg(index) - compensations_deg_[i]) * std::numbers::pi / 180.0,
                    index * sample_ns() - source().start_ns(turn)};
     }
@@ -99,7 +110,7 @@ void RplidarDevice::measure_turn(std::int64_t turn) {
   }
 }
 
-RplidarDevice::Sample RplidarDevice::sample(std::int64_t index) {
+RplidarSample RplidarDevice::sample(std::int64_t index) {
   std::int64_t turn = std::max<std::int64_t>(turn_, 0);
   while (source().start_ns(turn + 1) <= index * sample_ns()) {
     ++turn;
@@ -117,51 +128,29 @@ RplidarDevice::Sample RplidarDevice::sample(std::int64_t index) {
 }
 
 void RplidarDevice::on_due(std::int64_t piece) {
-  const bool turns = model_.motor_duty == 0 || motor_duty_ > 0;
-  if (mode_ == Mode::kIdle || !turns) {
+  if (!mode_ || !turns()) {
     return;
   }
-  std::vector<Sample> samples;
+  const std::int64_t first = piece * samples_per_piece();
+  std::vector<RplidarSample> samples;
   std::optional<SentScan> completed;
   for (std::int64_t i = 0; i < samples_per_piece(); ++i) {
-    samples.push_back(sample(piece * samples_per_piece() + i));
+    samples.push_back(sample(first + i));
     if (samples.back().completes_scan) {
       completed = SentScan{turn_ - 1, origin_ns() + source().start_ns(turn_ - 1)};
     }
   }
   const bool is_left_out = fault(FaultKind::kBeams, due_ns(piece)) && samples.front().mirror_deg > 240.0;
+  std::string bytes;
+  if (format_ == nullptr) {
+    bytes = rplidar_nodes(samples);
+  } else {
+    samples.push_back(sample(first + samples_per_piece()));
+    bytes = rplidar_capsule(*format_, samples, std::exchange(is_first_capsule_, false));
+  }
   if (!is_left_out) {
-    send_piece(mode_ == Mode::kExpress ? capsule(samples) : nodes(samples), completed, due_ns(piece));
+    send_piece(bytes, completed, due_ns(piece));
   }
-}
-
-std::string RplidarDevice::nodes(std::span<const Sample> samples) {
-  std::string bytes;
-  for (const Sample& sample : samples) {
-    const unsigned distance = quarter_mm(sample.range_m);
-    const unsigned quality = distance == 0 ? 0 : 15;
-    bytes += byte((quality << 2U) | (sample.starts_turn ? 1U : 2U));
-    put(bytes, (q6(sample.mirror_deg - sample.compensation_deg) << 1U) | 1U);
-    put(bytes, distance);
-  }
-  return bytes;
-}
-
-std::string RplidarDevice::capsule(std::span<const Sample> samples) {
-  std::string bytes;
-  put(bytes, q6(samples.front().mirror_deg) | (std::exchange(is_first_capsule_, false) ? 0x8000U : 0U));
-  for (std::size_t i = 0; i < samples.size(); i += 2) {
-    const unsigned first = eighths(samples[i].compensation_deg);
-    const unsigned second = eighths(samples[i + 1].compensation_deg);
-    put(bytes, (quarter_mm(samples[i].range_m) & 0xFFFCU) | (first >> 4U));
-    put(bytes, (quarter_mm(samples[i + 1].range_m) & 0xFFFCU) | (second >> 4U));
-    bytes += byte((first & 0x0FU) | ((second & 0x0FU) << 4U));
-  }
-  const unsigned sum = xor_of(bytes);
-  std::string head;
-  head += byte(0xA0U | (sum & 0x0FU));
-  head += byte(0x50U | (sum >> 4U));
-  return head + bytes;
 }
 
 void RplidarDevice::hear(std::string_view bytes, std::int64_t now_ns) {
@@ -207,66 +196,87 @@ bool RplidarDevice::take_request(std::int64_t now_ns) {
   return true;
 }
 
-void RplidarDevice::stream(Mode mode, std::string_view answer, std::int64_t now_ns) {
+void RplidarDevice::stream(std::size_t mode, std::int64_t now_ns) {
+  const RplidarMode& chosen = model_.modes[mode];
   mode_ = mode;
+  format_ = rplidar::find_capsule_format(chosen.answer_type);
   turn_ = -1;
   is_first_capsule_ = true;
   start_source(now_ns);
-  send(std::string(answer), now_ns);
+  const std::size_t bytes = format_ == nullptr ? rplidar::kNodeBytes : format_->bytes;
+  send(descriptor(static_cast<unsigned>(bytes), true, static_cast<unsigned>(chosen.answer_type)), now_ns);
   skip_to(now_ns);
+}
+
+/// Its information.
+std::string RplidarDevice::information() const {
+  std::string answer = descriptor(20, false, 0x04);
+  for (const int value : {model_.id, model_.firmware_minor, model_.firmware_major, model_.hardware}) {
+    answer += byte(static_cast<unsigned>(value));
+  }
+  return answer + "ODOLESSEMULATED1";
+}
+
+/// What a sample takes in the standard and in the express scan.
+std::string RplidarDevice::sample_times() const {
+  std::string answer = descriptor(4, false, 0x15);
+  for (const std::size_t mode : {0U, 1U}) {
+    put(answer, static_cast<unsigned>(std::lround(model_.modes[mode].sample_us)));
+  }
+  return answer;
+}
+
+/// A scan in capsules, by its number in the list of modes; 0 is it for older clients.
+void RplidarDevice::express(std::string_view payload, std::int64_t now_ns) {
+  if (!model_.knows_express() || payload.size() != kExpressPayload) {
+    return;
+  }
+  const std::size_t mode = std::max<std::size_t>(static_cast<unsigned char>(payload[0]), 1);
+  if (mode < model_.modes.size()) {
+    stream(mode, now_ns);
+  }
 }
 
 void RplidarDevice::execute(int command, std::string_view payload, std::int64_t now_ns) {
   using rplidar::Command;
-  std::string answer;
+  const auto number = [&](int before) {
+    return payload.size() == 2 ? static_cast<unsigned char>(payload[0]) + 256 * static_cast<unsigned char>(payload[1])
+                               : before;
+  };
   switch (static_cast<Command>(command)) {
     case Command::kStop:
-      mode_ = Mode::kIdle;
+      mode_.reset();
       return;
     case Command::kReset:
       return restart(now_ns);
     case Command::kInfo:
-      answer = descriptor(20, false, 0x04);
-      answer += byte(static_cast<unsigned>(model_.id));
-      answer += byte(static_cast<unsigned>(model_.firmware_minor));
-      answer += "\x01\x07";
-      answer += "ODOLESSEMULATED1";
-      return send(answer, now_ns);
+      return send(information(), now_ns);
     case Command::kHealth:
-      answer = descriptor(3, false, 0x06);
-      answer.append(3, '\0');
-      return send(answer, now_ns);
+      return send(descriptor(3, false, 0x06) + std::string(3, '\0'), now_ns);
     case Command::kSampleTime:
-      if (!model_.knows_express()) {
-        return;
+      return model_.knows_express() ? send(sample_times(), now_ns) : void();
+    case Command::kSetting:
+      if (payload.size() >= 4 && model_.knows_configuration()) {
+        const std::string setting = rplidar_setting(model_, payload);
+        send(descriptor(static_cast<unsigned>(setting.size()), false, 0x20) + setting, now_ns);
       }
-      answer = descriptor(4, false, 0x15);
-      put(answer, static_cast<unsigned>(model_.sample_us));
-      put(answer, static_cast<unsigned>(model_.express_sample_us));
-      return send(answer, now_ns);
-    case Command::kMotor:
-      motor_duty_ = payload.size() == 2
-                        ? static_cast<unsigned char>(payload[0]) + 256 * static_cast<unsigned char>(payload[1])
-                        : motor_duty_;
+      return;
+    case Command::kMotorDuty:
+      motor_duty_ = number(motor_duty_);
+      return;
+    case Command::kMotorSpeed:
+      speed_rpm_ = model_.takes_speed() ? number(speed_rpm_) : speed_rpm_;
       return;
     case Command::kScan:
-      return stream(Mode::kStandard, descriptor(5, true, 0x81), now_ns);
+      return stream(0, now_ns);
     case Command::kExpress:
-      if (!model_.knows_express() || payload.size() != kExpressPayload ||
-          static_cast<unsigned char>(payload[0]) > kExpressModeMax) {
-        return;
-      }
-      return stream(Mode::kExpress, descriptor(84, true, 0x82), now_ns);
+      return express(payload, now_ns);
   }
   if (command == 0x21) {  // the standard scan, whatever its health
-    return stream(Mode::kStandard, descriptor(5, true, 0x81), now_ns);
-  }
-  if (command == 0x84 && payload.size() >= 4 && model_.knows_configuration()) {
-    const std::string setting = rplidar_setting(model_, payload);
-    return send(descriptor(static_cast<unsigned>(setting.size()), false, 0x20) + setting, now_ns);
+    return stream(0, now_ns);
   }
   if (command == 0xFF) {  // whether its board has a motor that takes commands
-    answer = descriptor(4, false, 0xFF);
+    std::string answer = descriptor(4, false, 0xFF);
     put(answer, model_.motor_duty > 0 ? 1U : 0U);
     put(answer, 0);
     send(answer, now_ns);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -7,26 +8,40 @@
 
 namespace odoless {
 
+/// One of the scans that a laser knows.
+struct RplidarMode {
+  std::string_view name;
+  double sample_us = 0.0;
+  double range_max_m = 0.0;  ///< that it promises
+  int answer_type = 0;       ///< of its packets
+};
+
 /// A laser that speaks RPLIDAR's protocol.
 struct RplidarModel {
   std::string_view name;  ///< as in drivers/lrf/models.hpp, where it is there
   std::string_view product;
-  int firmware_minor;  ///< of 1.x: what it knows hangs on that
-  int id;              ///< what it says to be
-  std::int64_t turn_ns;
-  int sample_us;  ///< of the standard scan
-  int express_sample_us;
-  int baud;
-  double range_far_m;  ///< what it really sees
-  double range_sd_m;   ///< standard deviation of one range
-  int rpm_min;
-  int rpm_max;
-  int motor_duty;  ///< at which it turns at its usual speed; 0: its motor takes no command
+  int id = 0;  ///< what it says to be: series and model, 4 bits each
+  int firmware_major = 1;
+  int firmware_minor = 0;
+  int hardware = 0;
+  std::int64_t turn_ns = 0;
+  int baud = 0;
+  double range_far_m = 0.0;  ///< what it really sees
+  double range_sd_m = 0.0;   ///< standard deviation of one range
+  int rpm_min = 0;
+  int rpm_max = 0;
+  int motor_duty = 0;  ///< at which it turns at its usual speed; 0: its motor takes no duty
+  std::span<const RplidarMode> modes;
+  std::size_t usual_mode = 0;
 
+  [[nodiscard]] int series() const { return id >> 4; }
+  [[nodiscard]] bool triangulates() const { return series() < 4; }
   /// The express scan, and what a sample takes.
-  [[nodiscard]] bool knows_express() const { return firmware_minor >= 17; }
+  [[nodiscard]] bool knows_express() const { return !triangulates() || firmware_minor >= 17; }
   /// Questions for single settings.
-  [[nodiscard]] bool knows_configuration() const { return firmware_minor >= 24; }
+  [[nodiscard]] bool knows_configuration() const { return !triangulates() || firmware_minor >= 24; }
+  /// Its motor takes its speed, and turns by itself at first.
+  [[nodiscard]] bool takes_speed() const { return series() >= 6; }
   [[nodiscard]] int usual_rpm() const { return static_cast<int>(60'000'000'000 / turn_ns); }
 };
 

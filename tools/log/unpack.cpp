@@ -1,5 +1,7 @@
 #include "tools/log/unpack.hpp"
 
+#include <cstdint>
+
 #define ZLIB_CONST  // input is const
 #include <lzma.h>
 #include <zlib.h>

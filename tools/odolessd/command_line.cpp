@@ -26,6 +26,9 @@
 namespace odoless {
 namespace {
 
+constexpr const char* kName = "odolessd";
+constexpr const char* kPurpose = "SLAM for robots without odometry: the daemon";
+
 struct Arguments {
   std::string config;
   std::string out;
@@ -45,7 +48,10 @@ void define(CLI::App& app, Arguments& arguments) {
   app.failure_message(CLI::FailureMessage::simple);
   app.add_option("--config", arguments.config, "TOML file of the robot (see `odoless config defaults`)");
   app.add_flag("--check", arguments.check, "Read the configuration, say what is wrong with it, and end");
-  app.add_option("--out", arguments.out, "Folder for map, trajectories and summary, written at the end");
+  app.add_option(
+      "--out", arguments.out,
+      "Folder of runs: map, trajectories and summary of this one go into a new folder in there, at the end and on "
+      "`odoless ctl save`; `latest` leads to it");
   app.add_option("--stages", arguments.stages, "What runs here; the rest runs elsewhere: " + std::string(kStageSets))
       ->capture_default_str();
   app.add_option("--replay", arguments.replay, "A recorded log instead of the laser; ends with it");
@@ -93,7 +99,10 @@ DaemonOptions options_of(const Arguments& arguments) {
     throw ConfigError({lack});
   }
   options.folder = arguments.out;
-  options.save = [folder = options.folder](const DaemonResult& result) { return save_result(folder, result); };
+  options.save = [run = std::make_shared<RunFolder>(options.folder)](const auto& request, const auto& result,
+                                                                     const auto& tell) {
+    return save_result(*run, request, result, tell);
+  };
   options.reload = [config = arguments.config](DaemonParams& params) -> std::string {
     try {
       params = {};
@@ -165,8 +174,15 @@ int fail(int status, const char* what, const char* reason) {
 
 }  // namespace
 
+void describe_odolessd(const std::function<void(const CLI::App&)>& reader) {
+  CLI::App app(kPurpose, kName);
+  Arguments arguments;
+  define(app, arguments);
+  reader(app);
+}
+
 int run_odolessd(int argc, const char* const* argv) {
-  CLI::App app("SLAM for robots without odometry: the daemon", "odolessd");
+  CLI::App app(kPurpose, kName);
   Arguments arguments;
   define(app, arguments);
   refuse_empty_values(app);

@@ -1,14 +1,21 @@
 #include "tools/odolessd/save.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <exception>
+#include <new>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "firmware/health/health_text.hpp"
+#include "tools/command/error.hpp"
 #include "tools/output/cloud_files.hpp"
 #include "tools/output/map_files.hpp"
 #include "tools/output/map_picture.hpp"
+#include "tools/output/result_folder.hpp"
 #include "tools/output/sha256.hpp"
 #include "tools/output/trajectory.hpp"
 #include "tools/output/whole_file.hpp"
@@ -108,31 +115,76 @@ void write_cloud(const std::filesystem::path& folder, const DaemonResult& result
   }
 }
 
-void write_all(const std::filesystem::path& folder, const DaemonResult& result) {
-  nlohmann::ordered_json summary = summary_of(result);
-  write_trajectory(folder / "trajectory.tum", result.trajectory);
-  write_trajectory(folder / "trajectory_online.tum", result.online_trajectory);
-  if (result.map.width_cells > 0) {
-    ColouredPath path{{}, kPathColour};
-    for (const StampedPose& pose : result.trajectory) {
-      path.poses.push_back(pose.map_T_scan);
+/// Writes a trajectory of any length, and returns as many of its poses as a picture shows.
+std::vector<Pose2> write_stream(const std::filesystem::path& path, PoseStream& stream, const SaveProgress& tell) {
+  constexpr std::size_t kShown_max = 200'000;
+  const std::size_t every = stream.size() / kShown_max + 1;
+  const std::string name = path.filename().string();
+  std::vector<Pose2> shown;
+  WholeFile file(path);
+  std::size_t done = 0;
+  for (std::span<const StampedPose> piece = stream.next(); !piece.empty(); piece = stream.next()) {
+    file.append(format_trajectory(piece));
+    for (const StampedPose& pose : piece) {
+      if (done++ % every == 0) {
+        shown.push_back(pose.map_T_scan);
+      }
     }
-    write_map(folder, result.map);
-    write_map_picture(folder / "map.png", result.map, std::array{path});
+    tell(fmt::format("writing {}: {} of {} poses", name, done, stream.size()));
   }
+  if (stream.error() != 0) {
+    throw IoError("the poses of the run cannot be read back: " + system_reason(stream.error()), stream.error());
+  }
+  file.finish();
+  return shown;
+}
+
+void write_all(const std::filesystem::path& folder, DaemonResult& result, const SaveProgress& tell) {
+  nlohmann::ordered_json summary = summary_of(result);
+  std::array path{ColouredPath{{}, kPathColour}};
+  if (result.has_trajectory) {
+    path[0].poses = write_stream(folder / "trajectory.tum", result.trajectory, tell);
+    static_cast<void>(write_stream(folder / "trajectory_online.tum", result.online_trajectory, tell));
+    summary["sha256"] = sha256_of_file(folder / "trajectory.tum");
+  }
+  if (result.map.width_cells > 0) {
+    tell("writing map.pgm");
+    write_map(folder, result.map);
+    tell("writing map.png");
+    write_map_picture(folder / "map.png", result.map, path);
+  }
+  tell("writing the 3D map");
   write_cloud(folder, result);
-  summary["sha256"] = sha256_of_file(folder / "trajectory.tum");
-  write_whole_file(folder / "summary.json", summary.dump(2) + "\n");
+  tell("writing summary.json");
+  write_whole_file(folder / kSummaryFile, summary.dump(2) + "\n");
+}
+
+std::filesystem::path save_into(const std::filesystem::path& folder, bool is_forced,
+                                const std::function<void(const std::filesystem::path&)>& write) {
+  ResultFolder results(folder, is_forced);
+  write(results.unfinished());
+  results.finish();
+  return folder;
 }
 
 }  // namespace
 
-std::string save_result(const std::filesystem::path& folder, const DaemonResult& result) {
+SaveOutcome save_result(RunFolder& run, const SaveRequest& request, const std::function<DaemonResult()>& result_now,
+                        const SaveProgress& tell) {
+  const auto write = [&](const std::filesystem::path& folder) {
+    DaemonResult result = result_now();
+    write_all(folder, result, tell);
+  };
   try {
-    write_all(folder, result);
-    return "";
+    return {
+        .folder =
+            (request.folder.empty() ? run.save(write) : save_into(request.folder, request.is_forced, write)).string()};
+  } catch (const UserError& error) {
+    return {.wrong = error.what(), .error = error.error_number() != 0 ? error.error_number() : EIO};
+  } catch (const std::bad_alloc&) {
+    return {.wrong = "memory does not suffice", .error = ENOMEM};
   } catch (const std::exception& error) {
-    return error.what();
+    return {.wrong = error.what(), .error = EIO};
   }
 }
 

@@ -117,8 +117,7 @@ std::string Canvas::png() const {
   image.width = static_cast<png_uint_32>(width_px_);
   image.height = static_cast<png_uint_32>(height_px_);
   image.format = PNG_FORMAT_RGB;
-  png_alloc_size_t size = 0;
-  ODOLESS_CHECK(png_image_write_to_memory(&image, nullptr, &size, 0, pixels_.data(), 0, nullptr) != 0);
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);  // to ask for the very size is to compress it twice
   std::string bytes(size, '\0');
   ODOLESS_CHECK(png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels_.data(), 0, nullptr) != 0);
   bytes.resize(size);

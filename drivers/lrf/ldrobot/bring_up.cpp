@@ -4,8 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "drivers/io/device_address.hpp"
-
 namespace odoless::ldrobot {
 namespace {
 
@@ -17,9 +15,7 @@ constexpr std::array<int, 2> kRatesBaud{230400, 921600};
 }  // namespace
 
 BringUp::BringUp(const LrfParams& params, ScanStream& stream)
-    : params_(params),
-      stream_(stream),
-      line_baud_(params.baud == 0 && is_serial(params.device) ? kRatesBaud[0] : params.baud) {}
+    : params_(params), stream_(stream), rate_(params, kRatesBaud) {}
 
 void BringUp::start(std::int64_t now_ns, bool /*with_reset*/) { listen(now_ns); }
 
@@ -30,18 +26,9 @@ void BringUp::listen(std::int64_t now_ns) {
   deadline_ns_ = now_ns + std::max(params_.reply_timeout_ns, kListenNs);
 }
 
-void BringUp::next_rate() {
-  if (params_.baud == 0 && line_baud_ != 0 && !rate_is_known_) {
-    rates_tried_ = (rates_tried_ + 1) % static_cast<int>(kRatesBaud.size());
-    line_baud_ = kRatesBaud[static_cast<std::size_t>(rates_tried_)];
-  }
-}
-
 void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
   if (!is_refused_) {
-    next_rate();
-    const bool all_are_tried = rates_tried_ == 0 || rate_is_known_;
-    if (all_are_tried && !std::exchange(silence_told_, true)) {
+    if (rate_.next() && !std::exchange(silence_told_, true)) {
       sink.on_event({.type = LrfEventType::kLost, .reason = Errc::kDeviceSilent});
     }
   }
@@ -65,13 +52,14 @@ void BringUp::receive(std::span<const std::byte>& bytes, std::int64_t now_ns, Lr
         if (++packets_ < kPacketsWanted) {
           break;
         }
-        if (const Errc error = stream_.configure(reader_.packet(), line_baud_); error != Errc::kOk) {
+        if (const Errc error = stream_.configure(reader_.packet(), rate_.baud()); error != Errc::kOk) {
           sink.on_event({.type = LrfEventType::kRejected, .reason = error});
           is_refused_ = true;
           deadline_ns_ = now_ns + kPauseNs;
           break;
         }
-        is_done_ = rate_is_known_ = true;
+        is_done_ = true;
+        rate_.found();
         silence_told_ = false;
         break;
     }

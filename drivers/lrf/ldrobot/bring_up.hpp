@@ -8,6 +8,7 @@
 #include "drivers/lrf/ldrobot/scan_stream.hpp"
 #include "drivers/lrf/lrf_params.hpp"
 #include "drivers/lrf/lrf_session.hpp"
+#include "drivers/lrf/rate_search.hpp"
 
 namespace odoless::ldrobot {
 
@@ -27,24 +28,21 @@ class BringUp {
   void on_deadline(std::int64_t now_ns, LrfSink& sink);
   [[nodiscard]] std::int64_t deadline_ns() const { return deadline_ns_; }
 
-  [[nodiscard]] int line_baud() const { return line_baud_; }
+  [[nodiscard]] int line_baud() const { return rate_.baud(); }
   /// The device never says that something is wrong with it.
   [[nodiscard]] static std::uint64_t device_errors() { return 0; }
 
  private:
   void listen(std::int64_t now_ns);
-  void next_rate();
 
   LrfParams params_;
   ScanStream& stream_;
+  RateSearch rate_;
   PacketReader reader_;
   int packets_ = 0;  ///< that made sense, in a row
   bool is_done_ = false;
   bool is_refused_ = false;  ///< it waits until the deadline
   bool silence_told_ = false;
-  bool rate_is_known_ = false;  ///< it cannot be changed, so it stays
-  int rates_tried_ = 0;
-  int line_baud_;
   std::int64_t deadline_ns_ = 0;
 };
 

@@ -35,7 +35,7 @@ ScanStream::ScanStream(const LrfParams& params, int beams_max)
 Errc ScanStream::configure(const Packet& packet, int line_baud) {
   nominal_ns_ = sample_ns_of(packet);
   sample_ns_ = static_cast<double>(nominal_ns_);
-  transfer_ns_ = line_baud == 0 ? 0 : static_cast<std::int64_t>(kPacketBytes) * 10 * 1'000'000'000 / line_baud;
+  transfer_ns_ = transfer_ns(kPacketBytes, line_baud);
   scans_.set_range_max(nominal_ns_ == kQuickSampleNs ? kQuickRangeMaxM : kSlowRangeMaxM);
   reader_.clear();
   clock_.start();

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "drivers/io/device_address.hpp"
+#include "drivers/lrf/rplidar/bytes.hpp"
 
 namespace odoless::rplidar {
 namespace {
@@ -25,27 +25,38 @@ constexpr std::int64_t kSampleMaxNs = 5'000'000;
 constexpr int kInfoType = 0x04;
 constexpr int kHealthType = 0x06;
 constexpr int kSampleTimeType = 0x15;
-constexpr int kScanType = 0x81;
-constexpr int kExpressType = 0x82;
+constexpr int kSettingType = 0x20;
+constexpr std::size_t kSettingKeyBytes = 4;
 constexpr int kBroken = 2;
 
-/// The duty that Slamtec gives motors that take it as a command: of the A2 and A3, whose model byte begins with a 2
-/// or 3.
-constexpr int kUsualDuty = 660;
-int usual_duty(std::span<const std::byte> info) {
-  const int series = info.empty() ? 0 : std::to_integer<int>(info[0]) >> 4;
-  return series == 2 || series == 3 ? kUsualDuty : 0;
+// By every device that has a list of modes.
+constexpr int kStandardMode = 0;
+constexpr int kExpressMode = 1;
+
+constexpr int kUsualDuty = 660;          ///< of an A2 or A3 that doesn't tell
+constexpr int kSpeedRpmSeries = 6;       ///< S1; those before have a motor that takes its duty or no command at all
+constexpr std::array kDutySeries{2, 3};  ///< A2, A3
+
+bool can_be_sample(std::int64_t sample_ns) { return sample_ns >= kSampleMinNs && sample_ns <= kSampleMaxNs; }
+
+Request with_number(Command command, int number) {
+  return Request(command, std::array{static_cast<std::byte>(number & 0xFF), static_cast<std::byte>(number >> 8)});
+}
+Request question(Setting setting, int mode = 0) {
+  std::array<std::byte, 6> payload{};
+  payload[0] = static_cast<std::byte>(setting);
+  payload[4] = static_cast<std::byte>(mode & 0xFF);
+  payload[5] = static_cast<std::byte>(mode >> 8);
+  return Request(Command::kSetting, payload);
 }
 
 }  // namespace
 
 BringUp::BringUp(const LrfParams& params, ScanStream& stream)
-    : params_(params),
-      stream_(stream),
-      line_baud_(params.baud == 0 && is_serial(params.device) ? kRatesBaud[0] : params.baud) {}
+    : params_(params), stream_(stream), rate_(params, kRatesBaud) {}
 
 void BringUp::start(std::int64_t now_ns, bool with_reset) {
-  silent_step_ = Step::kDone;
+  silence_told_ = false;
   enter(with_reset ? Step::kReset : Step::kStop, now_ns);
 }
 
@@ -61,14 +72,21 @@ Request BringUp::request_of(Step step) const {
       return Request(Command::kHealth);
     case Step::kAskSampleTime:
       return Request(Command::kSampleTime);
-    case Step::kMotor: {
-      const std::array<std::byte, 2> duty{static_cast<std::byte>(motor_duty_ & 0xFF),
-                                          static_cast<std::byte>(motor_duty_ >> 8)};
-      return Request(Command::kMotor, duty);
-    }
+    case Step::kAskUsualMode:
+      return question(Setting::kUsualMode);
+    case Step::kAskModeSample:
+      return question(Setting::kModeSample, mode_);
+    case Step::kAskModeAnswer:
+      return question(Setting::kModeAnswer, mode_);
+    case Step::kAskModeRange:
+      return question(Setting::kModeRange, mode_);
+    case Step::kAskSpeed:
+      return question(Setting::kUsualSpeed);
+    case Step::kMotor:
+      return duty_ > 0 ? with_number(Command::kMotorDuty, duty_) : with_number(Command::kMotorSpeed, speed_rpm_);
     case Step::kScan:
-      return params_.rplidar_scan == RplidarScan::kStandard ? Request(Command::kScan)
-                                                            : Request(Command::kExpress, std::array<std::byte, 5>{});
+      return is_standard_ ? Request(Command::kScan)
+                          : Request(Command::kExpress, std::array<std::byte, 5>{static_cast<std::byte>(mode_)});
     case Step::kPause:
     case Step::kDone:
       break;
@@ -104,15 +122,8 @@ void BringUp::fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink&
 }
 
 void BringUp::tell_silence(LrfSink& sink) {
-  if (std::exchange(silent_step_, step_) != step_) {
+  if (!std::exchange(silence_told_, true)) {
     sink.on_event({.type = LrfEventType::kLost, .reason = Errc::kDeviceSilent});
-  }
-}
-
-void BringUp::next_rate() {
-  if (params_.baud == 0 && line_baud_ != 0 && !rate_is_known_) {
-    rates_tried_ = (rates_tried_ + 1) % static_cast<int>(kRatesBaud.size());
-    line_baud_ = kRatesBaud[static_cast<std::size_t>(rates_tried_)];
   }
 }
 
@@ -123,31 +134,30 @@ void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
     case Step::kStop:
       return enter(Step::kAskInfo, now_ns);
     case Step::kAskInfo:
-      tell_silence(sink);
-      next_rate();
+      if (rate_.next()) {
+        tell_silence(sink);
+      }
       return enter(Step::kStop, now_ns);
+    case Step::kAskUsualMode:
+    case Step::kAskModeSample:  // it has no list
+      return enter(Step::kAskSampleTime, now_ns);
     case Step::kAskSampleTime:
       on_sample_time({});
-      return motor_duty_ > 0 ? enter(Step::kMotor, now_ns) : start_stream(now_ns, sink);
+      return turn_motor(now_ns);
+    case Step::kAskModeRange:
+    case Step::kAskSpeed:
+      return on_setting({}, now_ns, sink);
     case Step::kMotor:
-      return start_stream(now_ns, sink);
+      return enter(Step::kScan, now_ns);
     case Step::kPause:
       return enter(std::exchange(reset_is_due_, false) ? Step::kReset : Step::kStop, now_ns);
     case Step::kAskHealth:
+    case Step::kAskModeAnswer:
     case Step::kScan:  // it answered up to here: it doesn't know that scan
       tell_silence(sink);
       return enter(Step::kStop, now_ns);
     default:
       return enter(Step::kStop, now_ns);
-  }
-}
-
-void BringUp::start_stream(std::int64_t now_ns, LrfSink& sink) {
-  const Errc error = stream_.configure(sample_ns_, line_baud_);
-  if (error == Errc::kOk) {
-    enter(Step::kScan, now_ns);
-  } else {
-    fail(error, -1, now_ns, sink);
   }
 }
 
@@ -179,50 +189,109 @@ void BringUp::receive(std::span<const std::byte>& bytes, std::int64_t now_ns, Lr
   }
 }
 
+/// Which mode is wished for by its number, or the device's own choice.
+void BringUp::ask_for_mode(std::int64_t now_ns) {
+  has_modes_ = false;
+  scan_mode_ = {};
+  mode_ = params_.rplidar_scan == RplidarScan::kExpress ? kExpressMode : kStandardMode;
+  enter(params_.rplidar_scan == RplidarScan::kUsual ? Step::kAskUsualMode : Step::kAskModeSample, now_ns);
+}
+
+/// Of a device without a list of modes: what a sample takes in both of its scans, or nothing of one that knows the
+/// standard scan alone.
 void BringUp::on_sample_time(std::span<const std::byte> data) {
-  const bool is_standard = params_.rplidar_scan == RplidarScan::kStandard;
-  const std::size_t at = is_standard ? 0 : 2;
-  std::int64_t told_ns = 0;
-  if (data.size() == 4) {
-    told_ns = (std::to_integer<std::int64_t>(data[at]) + 256 * std::to_integer<std::int64_t>(data[at + 1])) * 1000;
+  const bool is_told = data.size() == 4;
+  is_standard_ =
+      params_.rplidar_scan == RplidarScan::kStandard || (params_.rplidar_scan == RplidarScan::kUsual && !is_told);
+  mode_ = 0;  // by which older devices know the express scan
+  const std::int64_t told_ns = is_told ? number_at(data, is_standard_ ? 0 : 2) * std::int64_t{1000} : 0;
+  scan_mode_.sample_ns = can_be_sample(told_ns) ? told_ns : is_standard_ ? kStandardSampleNs : kExpressSampleNs;
+}
+
+/// The value of the setting that was asked for; empty: it has none.
+void BringUp::on_setting(std::span<const std::byte> value, std::int64_t now_ns, LrfSink& sink) {
+  switch (step_) {
+    case Step::kAskUsualMode:
+      mode_ = value.size() >= 2 ? static_cast<int>(number_at(value, 0)) : -1;
+      return enter(mode_ >= 0 && mode_ <= 0xFF ? Step::kAskModeSample : Step::kAskSampleTime, now_ns);
+    case Step::kAskModeSample:
+      scan_mode_.sample_ns = value.size() >= 4 ? long_at(value, 0) * std::int64_t{1000} / 256 : 0;
+      return enter(can_be_sample(scan_mode_.sample_ns) ? Step::kAskModeAnswer : Step::kAskSampleTime, now_ns);
+    case Step::kAskModeAnswer: {
+      const int type = value.empty() ? 0 : static_cast<int>(byte_at(value, 0));
+      is_standard_ = type == kNodeType;
+      if (is_standard_ || find_capsule_format(type) != nullptr) {
+        has_modes_ = true;
+        return enter(Step::kAskModeRange, now_ns);
+      }
+      if (mode_ == kStandardMode) {
+        return fail(Errc::kFrameMalformed, -1, now_ns, sink);
+      }
+      mode_ = kStandardMode;  // packets that we don't know
+      return enter(Step::kAskModeSample, now_ns);
+    }
+    case Step::kAskModeRange:
+      scan_mode_.range_max_m = value.size() >= 4 ? long_at(value, 0) / 256.0 : 0.0;
+      return turn_motor(now_ns);
+    default:  // the speed
+      speed_rpm_ = value.size() >= 4 ? static_cast<int>(number_at(value, 0)) : 0;
+      duty_ = value.size() >= 4 ? static_cast<int>(number_at(value, 2)) : kUsualDuty;
+      duty_ = series_ >= kSpeedRpmSeries ? 0 : duty_;
+      return enter(duty_ > 0 || (series_ >= kSpeedRpmSeries && speed_rpm_ > 0) ? Step::kMotor : Step::kScan, now_ns);
   }
-  const bool can_be = told_ns >= kSampleMinNs && told_ns <= kSampleMaxNs;
-  sample_ns_ = can_be ? told_ns : is_standard ? kStandardSampleNs : kExpressSampleNs;
+}
+
+void BringUp::turn_motor(std::int64_t now_ns) {
+  duty_ = params_.rplidar_pwm;
+  const bool takes_duty = std::ranges::find(kDutySeries, series_) != kDutySeries.end();
+  if (duty_ == 0 && takes_duty && !has_modes_) {
+    duty_ = kUsualDuty;
+  }
+  enter(duty_ > 0 ? Step::kMotor : takes_duty || series_ >= kSpeedRpmSeries ? Step::kAskSpeed : Step::kScan, now_ns);
+}
+
+void BringUp::on_stream(const Descriptor& descriptor, std::int64_t now_ns, LrfSink& sink) {
+  scan_mode_.format = find_capsule_format(descriptor.type);
+  const bool is_known = is_standard_ ? descriptor.type == kNodeType : scan_mode_.format != nullptr;
+  const std::size_t bytes = is_standard_ ? kNodeBytes : scan_mode_.format != nullptr ? scan_mode_.format->bytes : 0;
+  if (!descriptor.is_stream || !is_known || descriptor.length_bytes != bytes) {
+    return fail(Errc::kFrameMalformed, -1, now_ns, sink);
+  }
+  if (const Errc error = stream_.configure(scan_mode_, rate_.baud()); error != Errc::kOk) {
+    return fail(error, -1, now_ns, sink);
+  }
+  step_ = Step::kDone;
+  rate_.found();
+  silence_told_ = false;
 }
 
 void BringUp::on_answer(const Descriptor& descriptor, std::span<const std::byte> data, std::int64_t now_ns,
                         LrfSink& sink) {
   switch (step_) {
     case Step::kAskInfo:
-      if (descriptor.type != kInfoType) {
+      if (descriptor.type != kInfoType || data.empty()) {
         return enter(Step::kStop, now_ns);
       }
-      motor_duty_ = params_.rplidar_pwm > 0 ? params_.rplidar_pwm : usual_duty(data);
+      series_ = static_cast<int>(byte_at(data, 0) >> 4U);
       return enter(Step::kAskHealth, now_ns);
     case Step::kAskHealth: {
       if (descriptor.type != kHealthType || data.size() != 3) {
         return enter(Step::kStop, now_ns);
       }
-      const int status = std::to_integer<int>(data[0]);
-      return status >= kBroken ? fail(Errc::kDeviceStatus, status, now_ns, sink) : enter(Step::kAskSampleTime, now_ns);
+      const int status = static_cast<int>(byte_at(data, 0));
+      return status >= kBroken ? fail(Errc::kDeviceStatus, status, now_ns, sink) : ask_for_mode(now_ns);
     }
     case Step::kAskSampleTime:
       on_sample_time(descriptor.type == kSampleTimeType ? data : std::span<const std::byte>{});
-      return motor_duty_ > 0 ? enter(Step::kMotor, now_ns) : start_stream(now_ns, sink);
-    case Step::kScan: {
-      const bool is_standard = params_.rplidar_scan == RplidarScan::kStandard;
-      const bool is_right = descriptor.is_stream && descriptor.type == (is_standard ? kScanType : kExpressType) &&
-                            descriptor.length_bytes == (is_standard ? kNodeBytes : kCapsuleBytes);
-      if (!is_right) {
-        return fail(Errc::kFrameMalformed, -1, now_ns, sink);
-      }
-      step_ = Step::kDone;
-      rate_is_known_ = true;
-      silent_step_ = Step::kDone;
-      return;
+      return turn_motor(now_ns);
+    case Step::kScan:
+      return on_stream(descriptor, now_ns, sink);
+    default: {
+      const bool is_it =
+          descriptor.type == kSettingType && data.size() >= kSettingKeyBytes &&
+          std::ranges::equal(data.first(kSettingKeyBytes), request_.bytes().subspan(3, kSettingKeyBytes));
+      return is_it ? on_setting(data.subspan(kSettingKeyBytes), now_ns, sink) : enter(Step::kStop, now_ns);
     }
-    default:
-      return;
   }
 }
 

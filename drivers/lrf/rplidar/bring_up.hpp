@@ -7,6 +7,7 @@
 
 #include "drivers/lrf/lrf_params.hpp"
 #include "drivers/lrf/lrf_session.hpp"
+#include "drivers/lrf/rate_search.hpp"
 #include "drivers/lrf/rplidar/packet.hpp"
 #include "drivers/lrf/rplidar/scan_stream.hpp"
 
@@ -17,8 +18,9 @@ namespace odoless::rplidar {
 ///   1. stop whatever stream runs and wait until the line is quiet;
 ///   2. ask what it is, which tells of its motor; no answer: the next line rate where none is set, and anew;
 ///   3. ask for its health; a device that is broken is reset;
-///   4. ask how long a sample takes; old firmware doesn't say;
-///   5. the motor's duty, where it is wished for or the model needs it;
+///   4. ask which of its modes it recommends, where that is wished for, and how long a sample takes in it, how its
+///      packets look and how far it sees; old firmware has no list of modes, and is asked for sample times alone;
+///   5. turn the motor, where that takes a command, at the speed that the device tells;
 ///   6. start the scan; no answer: the device doesn't know it.
 ///
 /// Thread: one thread. Real time: no allocation.
@@ -37,34 +39,54 @@ class BringUp {
 
   /// What is to be sent; it counts as sent. Valid until the next call.
   [[nodiscard]] std::span<const std::byte> take_request();
-  [[nodiscard]] int line_baud() const { return line_baud_; }
+  [[nodiscard]] int line_baud() const { return rate_.baud(); }
   [[nodiscard]] std::uint64_t device_errors() const { return device_errors_; }
 
  private:
-  enum class Step : std::uint8_t { kReset, kStop, kAskInfo, kAskHealth, kAskSampleTime, kMotor, kScan, kPause, kDone };
+  enum class Step : std::uint8_t {
+    kReset,
+    kStop,
+    kAskInfo,
+    kAskHealth,
+    kAskUsualMode,
+    kAskModeSample,
+    kAskModeAnswer,
+    kAskModeRange,
+    kAskSampleTime,
+    kAskSpeed,
+    kMotor,
+    kScan,
+    kPause,
+    kDone
+  };
   static constexpr std::size_t kAnswerMaxBytes = 32;
 
   void enter(Step step, std::int64_t now_ns);
   [[nodiscard]] Request request_of(Step step) const;
   void fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink& sink);
   void on_answer(const Descriptor& descriptor, std::span<const std::byte> data, std::int64_t now_ns, LrfSink& sink);
+  void on_setting(std::span<const std::byte> value, std::int64_t now_ns, LrfSink& sink);
   void on_sample_time(std::span<const std::byte> data);
-  void start_stream(std::int64_t now_ns, LrfSink& sink);
+  void on_stream(const Descriptor& descriptor, std::int64_t now_ns, LrfSink& sink);
+  void ask_for_mode(std::int64_t now_ns);
+  void turn_motor(std::int64_t now_ns);
   void tell_silence(LrfSink& sink);
-  void next_rate();
 
   LrfParams params_;
   ScanStream& stream_;
   Step step_ = Step::kPause;
-  Step silent_step_ = Step::kDone;  ///< that was told to be unanswered, which is told once; kDone: none
+  bool silence_told_ = false;
   std::int64_t deadline_ns_ = 0;
   std::int64_t drain_end_ns_ = 0;
-  int line_baud_;
-  int rates_tried_ = 0;
-  std::int64_t sample_ns_ = 0;
-  int motor_duty_ = 0;          ///< 0: none is sent
-  bool rate_is_known_ = false;  ///< it cannot be changed, so it stays
-  bool reset_is_due_ = false;   ///< after the pause
+  RateSearch rate_;
+  int series_ = 0;  ///< the first digit of its model
+  int mode_ = 0;    ///< by the device's list
+  bool has_modes_ = false;
+  bool is_standard_ = false;  ///< its scan comes in nodes
+  ScanMode scan_mode_;
+  int speed_rpm_ = 0;  ///< of the motor, as the device tells
+  int duty_ = 0;
+  bool reset_is_due_ = false;  ///< after the pause
   std::uint64_t device_errors_ = 0;
   std::array<std::byte, kAnswerMaxBytes> answer_{};
   std::size_t answer_size_ = 0;

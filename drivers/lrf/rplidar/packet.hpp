@@ -9,13 +9,12 @@
 namespace odoless::rplidar {
 
 inline constexpr std::size_t kNodeBytes = 5;
-inline constexpr std::size_t kCapsuleBytes = 84;
-inline constexpr int kCapsulePoints = 32;
+inline constexpr int kNodeType = 0x81;
 inline constexpr std::size_t kDescriptorBytes = 7;
 
-/// The receiver sits beside the laser, so that the mirror is some degrees past the direction in which a point lies: 7
-/// to 8 far away, less the nearer it is. The device takes that off a point's angle, at most so much, but not off one
-/// that nothing answered.
+/// In lasers that triangulate, the receiver sits beside the laser, so that the mirror is some degrees past the
+/// direction in which a point lies: 7 to 8 far away, less the nearer it is. That is taken off a point's angle, at most
+/// so much, but not off one that nothing answered.
 inline constexpr double kCompensationMaxDeg = 8.0;
 
 enum class Command : std::uint8_t {
@@ -24,9 +23,20 @@ enum class Command : std::uint8_t {
   kInfo = 0x50,
   kHealth = 0x52,
   kSampleTime = 0x59,
-  kMotor = 0xF0,
+  kSetting = 0x84,     ///< a question for one
+  kMotorDuty = 0xF0,   ///< of 1023
+  kMotorSpeed = 0xA8,  ///< turns a minute
   kScan = 0x20,
-  kExpress = 0x82,
+  kExpress = 0x82,  ///< any scan in capsules
+};
+
+/// What is asked for with Command::kSetting; where they are of a mode, its number comes with them.
+enum class Setting : std::uint16_t {
+  kUsualSpeed = 0x01,  ///< turns a minute, and the motor's duty for them, 2 bytes each
+  kModeSample = 0x71,  ///< what a sample takes, in 1/256 us, 4 bytes
+  kModeRange = 0x74,   ///< farthest range, in 1/256 m, 4 bytes
+  kModeAnswer = 0x75,  ///< type of its packets, 1 byte
+  kUsualMode = 0x7C,   ///< number of the one that the maker recommends, 2 bytes
 };
 
 /// A request to the device: its command and, where it has a payload, that with its sum.
@@ -60,18 +70,5 @@ struct Point {
 
 /// A measurement of the standard scan, 5 bytes. Nothing where the two check bits or the angle are wrong.
 [[nodiscard]] std::optional<Point> node_of(std::span<const std::byte> bytes);
-
-/// Whether 84 bytes are a capsule of the express scan, by its two marks and its sum.
-[[nodiscard]] bool is_capsule(std::span<const std::byte> bytes);
-
-/// Whether a capsule is the first one of a stream.
-[[nodiscard]] bool is_first_capsule(std::span<const std::byte> capsule);
-
-/// Angle of a capsule's first point before its compensation, in degrees, 0 up to 360.
-[[nodiscard]] double capsule_angle_deg(std::span<const std::byte> capsule);
-
-/// The points of a capsule; their angles lie evenly between its own and the next one's, `sweep_deg` further on, each
-/// less its compensation.
-[[nodiscard]] std::array<Point, kCapsulePoints> points_of(std::span<const std::byte> capsule, double sweep_deg);
 
 }  // namespace odoless::rplidar

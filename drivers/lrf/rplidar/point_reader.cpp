@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "drivers/lrf/rplidar/bytes.hpp"
+
 namespace odoless::rplidar {
 namespace {
 
@@ -14,8 +16,8 @@ constexpr double kStepMaxDeg = 12.0;
 constexpr double kParallaxDegM = 1.5;   ///< over a range: by how much less its angle is compensated than far away
 constexpr double kStartMarkDeg = 30.0;  ///< the mark of a turn's start is this near to the front
 constexpr int kMisfitsMax = 3;
-constexpr std::int64_t kGapMax = 4;     ///< capsules; after more, the angle no longer tells how far the mirror is
-constexpr double kSweepMaxDeg = 120.0;  ///< of one capsule
+constexpr double kSweepMaxDeg = 120.0;      ///< of a capsule, and of some lost ones: a larger one could be a turn more
+constexpr std::int64_t kUnknownGapMax = 4;  ///< capsules, while it isn't known how far the mirror turns in one
 
 double between_deg(double from_deg, double to_deg) {
   const double difference_deg = to_deg - from_deg;
@@ -40,9 +42,12 @@ bool can_be(const Point& point) {
   return !point.starts_turn || std::abs(between_deg(0.0, point.angle_deg)) < kStartMarkDeg;
 }
 
+constexpr std::size_t kUltraByNext = 2;  ///< points of a capsule that may be told by their difference from the next
+
 }  // namespace
 
-void PointReader::clear() {
+void PointReader::start(const CapsuleFormat* format) {
+  format_ = format;
   begin_ = 0;
   end_ = 0;
   used_bytes_ = 0;
@@ -58,9 +63,8 @@ void PointReader::clear() {
 
 std::int64_t PointReader::sample_after(std::size_t bytes) const {
   const std::int64_t used_bytes = used_bytes_ + static_cast<std::int64_t>(bytes);
-  const std::int64_t unit_bytes = scan_ == RplidarScan::kStandard ? kNodeBytes : kCapsuleBytes;
-  const std::int64_t unit_samples = scan_ == RplidarScan::kStandard ? 1 : kCapsulePoints;
-  return (used_bytes + unit_bytes / 2) / unit_bytes * unit_samples - 1;
+  const auto unit_bytes = static_cast<std::int64_t>(packet_bytes());
+  return (used_bytes + unit_bytes / 2) / unit_bytes * packet_points() - 1;
 }
 
 std::int64_t PointReader::last_sample() const { return sample_after(0); }
@@ -105,17 +109,15 @@ PointReader::Outcome PointReader::take_node() {
 
 PointReader::Outcome PointReader::take_capsule() {
   const auto have = rest();
-  const auto capsule = have.first(kCapsuleBytes);
-  if (!is_capsule(capsule)) {
-    const bool is_marked =
-        (std::to_integer<unsigned>(have[0]) >> 4U) == 0xAU && (std::to_integer<unsigned>(have[1]) >> 4U) == 0x5U;
+  const auto capsule = have.first(format_->bytes);
+  if (!is_capsule(*format_, capsule)) {
     // Nothing starts where the one before ended: a byte too much in that one, which a sum by XOR need not see.
-    is_before_suspect_ = is_before_suspect_ || (!is_marked && !skipping_);
-    return skip_one(is_marked ? Outcome::kWrongSum : Outcome::kSkipped);
+    is_before_suspect_ = is_before_suspect_ || (!is_marked(have) && !skipping_);
+    return skip_one(is_marked(have) ? Outcome::kWrongSum : Outcome::kSkipped);
   }
   const double turned_deg = has_before_ ? sweep_deg(capsule) : 0.0;
   if (has_before_ && !follows_before(capsule, turned_deg)) {
-    if (++misfits_ < kMisfitsMax && capsules_since_before() <= kGapMax) {
+    if (++misfits_ < kMisfitsMax && !is_before_too_old()) {
       return skip_one(Outcome::kSkipped);
     }
     has_before_ = false;  // the mirror has another pace, or the stream is a new one
@@ -129,14 +131,20 @@ PointReader::Outcome PointReader::take_capsule() {
 
 /// One, and how many were lost, up to the capsule that has been received but isn't used yet.
 std::int64_t PointReader::capsules_since_before() const {
-  const std::int64_t samples = sample_after(kCapsuleBytes) - kCapsulePoints + 1 - before_sample_;
-  return std::max<std::int64_t>((samples + kCapsulePoints / 2) / kCapsulePoints, 1);
+  const std::int64_t samples = sample_after(format_->bytes) - packet_points() + 1 - before_sample_;
+  return std::max<std::int64_t>((samples + packet_points() / 2) / packet_points(), 1);
+}
+
+/// After so many capsules, the angle no longer tells how far the mirror is.
+bool PointReader::is_before_too_old() const {
+  const std::int64_t capsules = capsules_since_before();
+  return sweep_deg_ > 0.0 ? static_cast<double>(capsules) * sweep_deg_ > kSweepMaxDeg : capsules > kUnknownGapMax;
 }
 
 /// How far the mirror has turned since the capsule before, per capsule: some may have been lost.
 double PointReader::sweep_deg(std::span<const std::byte> capsule) const {
   const std::int64_t capsules = capsules_since_before();
-  const double turned_deg = between_deg(capsule_angle_deg(before_), capsule_angle_deg(capsule));
+  const double turned_deg = between_deg(capsule_angle_deg(*format_, before()), capsule_angle_deg(*format_, capsule));
   const double expected_deg = sweep_deg_ * static_cast<double>(capsules);
   const double whole_deg = sweep_deg_ > 0.0 ? turned_deg + 360.0 * std::round((expected_deg - turned_deg) / 360.0)
                                             : (turned_deg < 0.0 ? turned_deg + 360.0 : turned_deg);
@@ -145,22 +153,23 @@ double PointReader::sweep_deg(std::span<const std::byte> capsule) const {
 
 bool PointReader::follows_before(std::span<const std::byte> capsule, double sweep_deg) const {
   const bool is_usual = sweep_deg_ <= 0.0 || (sweep_deg > 0.75 * sweep_deg_ && sweep_deg < 1.3 * sweep_deg_);
-  return !is_first_capsule(capsule) && capsules_since_before() <= kGapMax && sweep_deg > 0.0 &&
-         sweep_deg < kSweepMaxDeg && is_usual;
+  return !is_first_capsule(*format_, capsule) && !is_before_too_old() && sweep_deg > 0.0 && sweep_deg < kSweepMaxDeg &&
+         is_usual;
 }
 
 PointReader::Outcome PointReader::on_capsule(std::span<const std::byte> capsule, double sweep_deg) {
   const bool gives_points = std::exchange(has_before_, true) && !std::exchange(is_before_suspect_, false);
   if (gives_points) {
-    points_ = points_of(before_, sweep_deg);
-    point_count_ = points_.size();
+    read_points(*format_, before(), capsule, sweep_deg, points_);
+    const bool is_next_lost = format_->type == kUltraType && capsules_since_before() > 1;
+    point_count_ = static_cast<std::size_t>(format_->points) - (is_next_lost ? kUltraByNext : 0U);
     first_sample_ = before_sample_;
     sweep_deg_ = sweep_deg;
   }
   std::copy(capsule.begin(), capsule.end(), before_.begin());
-  use(kCapsuleBytes);
+  use(format_->bytes);
   skipping_ = false;
-  before_sample_ = last_sample() - kCapsulePoints + 1;
+  before_sample_ = last_sample() - packet_points() + 1;
   return gives_points ? Outcome::kPoints : Outcome::kMore;
 }
 
@@ -169,8 +178,8 @@ PointReader::Outcome PointReader::inspect() {
   Outcome outcome = Outcome::kMore;
   while (outcome == Outcome::kMore) {
     const std::size_t have = end_ - begin_;
-    if (scan_ == RplidarScan::kExpress) {
-      if (have < kCapsuleBytes) {
+    if (format_ != nullptr) {
+      if (have < format_->bytes) {
         break;
       }
       outcome = take_capsule();

@@ -6,8 +6,8 @@
 
 namespace odoless {
 
-/// Slamtec RPLIDAR, A series: brings the device up, makes scans of evenly spaced beams from its points, and brings it
-/// up again when the stream ends or stalls.
+/// Slamtec RPLIDAR, A, C and S series: brings the device up, makes scans of evenly spaced beams from its points, and
+/// brings it up again when the stream ends or stalls.
 ///
 /// One damaged byte costs at most one scan. The standard scan has no sums: a byte that changes a range within what is
 /// possible cannot be told. Contract: see LrfSession.

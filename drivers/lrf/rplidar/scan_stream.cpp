@@ -5,24 +5,22 @@ namespace {
 
 constexpr std::int64_t kNominalTurnNs = 180'000'000;  ///< until one was seen
 constexpr double kRangeMinM = 0.15;
-constexpr double kRangeMaxM = 25.0;
+constexpr double kRangeMaxM = 25.0;  ///< where the device doesn't say
 
 }  // namespace
 
 ScanStream::ScanStream(const LrfParams& params, int beams_max)
-    : scan_(params.rplidar_scan),
-      scans_({.beams = params.rplidar_beams,
+    : scans_({.beams = params.rplidar_beams,
               .range_min_m = kRangeMinM,
               .range_max_m = kRangeMaxM,
               .period_ns = kNominalTurnNs},
-             beams_max, kCompensationMaxDeg),
-      reader_(params.rplidar_scan) {}
+             beams_max, kCompensationMaxDeg) {}
 
-Errc ScanStream::configure(std::int64_t sample_ns, int line_baud) {
-  sample_ns_ = sample_ns;
-  const std::int64_t bytes = scan_ == RplidarScan::kStandard ? kNodeBytes : kCapsuleBytes;
-  transfer_ns_ = line_baud == 0 ? 0 : bytes * 10 * 1'000'000'000 / line_baud;
-  reader_.clear();
+Errc ScanStream::configure(const ScanMode& mode, int line_baud) {
+  mode_ = mode;
+  reader_.start(mode.format);
+  transfer_ns_ = transfer_ns(reader_.packet_bytes(), line_baud);
+  scans_.set_range_max(mode.range_max_m > 0.0 ? mode.range_max_m : kRangeMaxM);
   clock_.start();
   next_point_ = 0;
   return scans_.start();
@@ -38,10 +36,10 @@ FoundScan ScanStream::take(std::span<const std::byte>& bytes, std::int64_t arriv
         return {};
       case PointReader::Outcome::kPoints:
         next_point_ = 0;
-        static_cast<void>(clock_.host_ns(reader_.last_sample() * sample_ns_, arrival_ns - transfer_ns_));
+        static_cast<void>(clock_.host_ns(reader_.last_sample() * mode_.sample_ns, arrival_ns - transfer_ns_));
         break;
       case PointReader::Outcome::kSkipped:
-        if (scan_ == RplidarScan::kStandard) {
+        if (mode_.format == nullptr) {
           scans_.spoil();
         }
         return {.scan = {}, .error = Errc::kFrameMalformed};
@@ -59,7 +57,7 @@ std::optional<FoundScan> ScanStream::take_points(std::int64_t arrival_ns) {
   while (next_point_ < points.size()) {
     const std::int64_t sample = reader_.first_sample() + static_cast<std::int64_t>(next_point_);
     const Point& point = points[next_point_++];
-    if (auto found = scans_.add(point, clock_.at_ns(sample * sample_ns_), arrival_ns)) {
+    if (auto found = scans_.add(point, clock_.at_ns(sample * mode_.sample_ns), arrival_ns)) {
       return found;
     }
   }

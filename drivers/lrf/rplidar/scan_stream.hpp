@@ -11,6 +11,13 @@
 
 namespace odoless::rplidar {
 
+/// How a device scans.
+struct ScanMode {
+  const CapsuleFormat* format = nullptr;  ///< null: nodes
+  std::int64_t sample_ns = 0;
+  double range_max_m = 0.0;
+};
+
 /// The stream of turns of one device.
 ///
 /// The device sends no stamp, but it samples evenly: the number of a sample, times what the device says that a sample
@@ -21,7 +28,7 @@ class ScanStream {
   ScanStream(const LrfParams& params, int beams_max);
 
   /// A stream is about to start. Errc::kTooManyBeams: more than there is memory for.
-  [[nodiscard]] Errc configure(std::int64_t sample_ns, int line_baud);
+  [[nodiscard]] Errc configure(const ScanMode& mode, int line_baud);
 
   [[nodiscard]] const LrfGeometry& geometry() const { return scans_.geometry(); }
 
@@ -35,11 +42,10 @@ class ScanStream {
  private:
   [[nodiscard]] std::optional<FoundScan> take_points(std::int64_t arrival_ns);
 
-  RplidarScan scan_;
   TurnScans scans_;
   PointReader reader_;
   ArrivalClock clock_{250'000'000};
-  std::int64_t sample_ns_ = 0;
+  ScanMode mode_;
   std::int64_t transfer_ns_ = 0;  ///< of a node or a capsule
   std::size_t next_point_ = 0;    ///< of the reader's points; the rest waits for the next call
 };

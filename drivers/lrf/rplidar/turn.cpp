@@ -8,8 +8,8 @@ namespace odoless::rplidar {
 namespace {
 
 constexpr double kTurnDeg = 360.0;
-constexpr double kNeighbours = 1.5;                    ///< beams or samples
-constexpr double kLostSamples = kCapsulePoints / 2.0;  ///< too few for a time: some were lost, not missed
+constexpr double kNeighbours = 1.5;    ///< beams or samples
+constexpr double kLostSamples = 16.0;  ///< too few for a time: some were lost, half a capsule at least, not missed
 constexpr double kSurfaceRatio = 0.1;
 constexpr double kBackwardsMaxDeg = 30.0;
 

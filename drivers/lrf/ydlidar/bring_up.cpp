@@ -4,8 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "drivers/io/device_address.hpp"
-
 namespace odoless::ydlidar {
 namespace {
 
@@ -18,9 +16,7 @@ constexpr std::array kRatesBaud{128000, 115200, 230400, 512000};
 }  // namespace
 
 BringUp::BringUp(const LrfParams& params, ScanStream& stream)
-    : params_(params),
-      stream_(stream),
-      line_baud_(params.baud == 0 && is_serial(params.device) ? kRatesBaud[0] : params.baud) {}
+    : params_(params), stream_(stream), rate_(params, kRatesBaud) {}
 
 void BringUp::start(std::int64_t now_ns, bool /*with_reset*/) { enter(Step::kListen, now_ns); }
 
@@ -38,22 +34,13 @@ std::span<const std::byte> BringUp::take_request() {
                                                : std::span<const std::byte>();
 }
 
-void BringUp::next_rate() {
-  if (params_.baud == 0 && line_baud_ != 0 && !rate_is_known_) {
-    rates_tried_ = (rates_tried_ + 1) % kRatesBaud.size();
-    line_baud_ = kRatesBaud[rates_tried_];
-  }
-}
-
 void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
   if (step_ == Step::kListen) {
     enter(Step::kStart, now_ns);
     return;
   }
   if (step_ == Step::kStart) {
-    next_rate();
-    const bool all_are_tried = rates_tried_ == 0 || rate_is_known_;
-    if (all_are_tried && !std::exchange(silence_told_, true)) {
+    if (rate_.next() && !std::exchange(silence_told_, true)) {
       sink.on_event({.type = LrfEventType::kLost, .reason = Errc::kDeviceSilent});
     }
   }
@@ -75,13 +62,13 @@ void BringUp::on_packet(std::int64_t now_ns, LrfSink& sink) {
   if (++packets_ < kPacketsWanted) {
     return;
   }
-  if (const Errc error = stream_.configure(line_baud_); error != Errc::kOk) {
+  if (const Errc error = stream_.configure(rate_.baud()); error != Errc::kOk) {
     sink.on_event({.type = LrfEventType::kRejected, .reason = error});
     enter(Step::kRefused, now_ns);
     return;
   }
   step_ = Step::kDone;
-  rate_is_known_ = true;
+  rate_.found();
   silence_told_ = false;
 }
 

@@ -6,6 +6,7 @@
 
 #include "drivers/lrf/lrf_params.hpp"
 #include "drivers/lrf/lrf_session.hpp"
+#include "drivers/lrf/rate_search.hpp"
 #include "drivers/lrf/ydlidar/packet.hpp"
 #include "drivers/lrf/ydlidar/scan_stream.hpp"
 
@@ -30,7 +31,7 @@ class BringUp {
 
   /// What is to be sent; it counts as sent.
   [[nodiscard]] std::span<const std::byte> take_request();
-  [[nodiscard]] int line_baud() const { return line_baud_; }
+  [[nodiscard]] int line_baud() const { return rate_.baud(); }
   /// The device never says by itself that something is wrong with it.
   [[nodiscard]] static std::uint64_t device_errors() { return 0; }
 
@@ -38,21 +39,18 @@ class BringUp {
   enum class Step : std::uint8_t { kListen, kStart, kRefused, kDone };
 
   void enter(Step step, std::int64_t now_ns);
-  void next_rate();
   void look_for_answer(std::span<const std::byte> bytes, std::int64_t now_ns);
   void on_packet(std::int64_t now_ns, LrfSink& sink);
 
   LrfParams params_;
   ScanStream& stream_;
+  RateSearch rate_;
   PacketReader reader_;
   Step step_ = Step::kListen;
   int packets_ = 0;          ///< that made sense, in a row
   std::size_t matched_ = 0;  ///< bytes of the answer to the request
   bool request_is_due_ = false;
   bool silence_told_ = false;
-  bool rate_is_known_ = false;  ///< it cannot be changed, so it stays
-  std::size_t rates_tried_ = 0;
-  int line_baud_;
   std::int64_t deadline_ns_ = 0;
 };
 

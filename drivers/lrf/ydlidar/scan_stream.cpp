@@ -87,8 +87,7 @@ FoundScan ScanStream::take(std::span<const std::byte>& bytes, std::int64_t arriv
 
 void ScanStream::on_packet(std::int64_t arrival_ns) {
   const Packet& packet = reader_.packet();
-  const auto bytes = static_cast<std::int64_t>(packet.size_bytes());
-  const std::int64_t sent_ns = arrival_ns - (line_baud_ == 0 ? 0 : bytes * 10 * 1'000'000'000 / line_baud_);
+  const std::int64_t sent_ns = arrival_ns - transfer_ns(packet.size_bytes(), line_baud_);
   next_point_ = 0;
   if (packet.count >= kSamplesForStep) {
     step_deg_ = packet.sweep_deg / static_cast<double>(packet.count - 1);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdlib>
 
 #include "drivers/tilt/dynamixel/dynamixel_session.hpp"
 

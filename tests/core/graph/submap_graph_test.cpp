@@ -4,12 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "core/graph/keyframe_gate.hpp"
 #include "core/graph/world_map.hpp"
+#include "core/slam/scan_beams.hpp"
 #include "tests/support/simulated_scene.hpp"
 
 namespace odoless {
@@ -148,6 +152,23 @@ TEST(SubmapGraph, ClosesALoopThatTheOdometryLeavesOpen) {
   EXPECT_GT(odometry_m, 0.8);
   EXPECT_GT(run.graph.counts().accepted, 5);
   EXPECT_LT(run.worst_error_m(run.graph.corrected(run.odom)), 0.3);
+  // Where poses lack, those of some submaps' origins too, the rest is where it was, but for how far it is corrected.
+  std::vector<StampedPose> some;
+  std::vector<Pose2> true_poses;
+  for (std::size_t i = 0; i < run.odom.size(); ++i) {
+    if (i % 3 != 0) {
+      some.push_back(run.odom[i]);
+      true_poses.push_back(run.poses.front().inverse() * run.poses[i]);
+    }
+  }
+  const std::vector<StampedPose> corrected = run.graph.corrected(some);
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    ASSERT_LT(corrected[i].map_T_scan.distance_m(true_poses[i]), 0.35) << i;
+    if (i > 0) {  // and nothing jumps
+      const double step_m = corrected[i].map_T_scan.distance_m(corrected[i - 1].map_T_scan);
+      ASSERT_LT(step_m, true_poses[i].distance_m(true_poses[i - 1]) + 0.1) << i;
+    }
+  }
   // and the newest pose is right at the time: that is what map_T_odom is for
   const Pose2 online = run.graph.map_T_odom() * run.odom.back().map_T_scan;
   EXPECT_LT(online.distance_m(run.poses.front().inverse() * run.poses.back()), 0.3);
@@ -232,6 +253,52 @@ TEST(WorldMap, HasTheWallsOfTheWorldAtTheirPlaces) {
   }
   EXPECT_GT(occupied, 1500);
   EXPECT_GT(right, 0.97 * occupied);
+}
+
+/// Every beam whole, into cells kept one by one.
+struct PlainCells {
+  std::map<std::pair<int, int>, Cell> cells;
+  [[nodiscard]] Cell& at(const GridCell& cell) { return cells[{cell.column(), cell.row()}]; }
+};
+
+TEST(WorldMap, HasWhatAllBeamsSayOfEachCell) {
+  Drive run(ring(40.0, 20.0), {0.01, 0.0, 0.0006});
+  run.drive(kRound);
+  run.graph.finish();
+  const SubmapWorld world = run.graph.world();
+  PlainCells plain;
+  ScanFrame frame(ScanParams{});
+  for (std::size_t i = 0; i < world.submaps.size(); ++i) {
+    for (int k = 0; k < world.submaps[i].keyframes; ++k) {
+      const int keyframe = world.submaps[i].first_keyframe + k;
+      world.store.load(keyframe, 1, frame);
+      const Pose2 map_T_scan = world.graph.pose(static_cast<int>(i)) * world.store.submap_T_scan(keyframe);
+      integrate_scan(BeamModel({}, 0.05), BeamCaster(GridGeometry{}, map_T_scan), plain, frame, 0.0);
+    }
+  }
+  WorldMap world_map({}, 0.05);
+  world_map.render(world, {});
+  OccupancyMap map;
+  world_map.write(map);
+  const int first_column = static_cast<int>(std::lround(map.origin_x_m / 0.05));
+  const int first_row = static_cast<int>(std::lround(map.origin_y_m / 0.05));
+  std::size_t known = 0;
+  std::size_t off = 0;
+  for (int row = 0; row < map.height_cells; ++row) {
+    for (int column = 0; column < map.width_cells; ++column) {
+      const auto found = plain.cells.find({first_column + column, first_row + row});
+      const bool is_known = found != plain.cells.end() && !found->second.is_unknown();
+      const int expected = is_known ? found->second.occupancy_percent(0.02F / 0.05F * Cell::kParts) : -1;
+      known += is_known ? 1 : 0;
+      off += std::abs(expected - map.at(column, row)) > 3 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(map.width_cells, 600) << "more than one piece";
+  EXPECT_GT(known, 50'000U);
+  EXPECT_LT(off, known / 1000);  // where a beam grazes a corner of a cell, ways are rounded otherwise
+  EXPECT_GT(known + 10,
+            static_cast<std::size_t>(std::count_if(plain.cells.begin(), plain.cells.end(),
+                                                   [](const auto& cell) { return !cell.second.is_unknown(); })));
 }
 
 // 40 km by 40 km with cells of 5 cm would be 6 * 10^11 of them.

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <vector>
 
 #include "core/base/rng.hpp"
@@ -18,10 +21,26 @@ AncestryGridParams small_grid(int tiles_max = 4000) {
 /// Every particle with a map of its own, copied at each resampling.
 class CopiedMaps {
  public:
-  explicit CopiedMaps(int side_cells) : side_(side_cells), maps_(1) { maps_[0].resize(cells()); }
+  /// @param first  Of the columns and rows.
+  explicit CopiedMaps(int side_cells, int first = 0) : side_(side_cells), first_(first), maps_(1) {
+    maps_[0].resize(cells());
+  }
 
   Cell& at(std::size_t particle, int column, int row) {
-    return maps_[particle][static_cast<std::size_t>(row * side_ + column)];
+    return maps_[particle][static_cast<std::size_t>((row - first_) * side_ + column - first_)];
+  }
+  /// Forgets all cells for which this is true.
+  template <class Is>
+  void forget(const Is& is) {
+    for (std::size_t particle = 0; particle < maps_.size(); ++particle) {
+      for (int row = first_; row < first_ + side_; ++row) {
+        for (int column = first_; column < first_ + side_; ++column) {
+          if (is(column, row)) {
+            at(particle, column, row) = Cell{};
+          }
+        }
+      }
+    }
   }
   void resample(const std::vector<int>& copies) {
     std::vector<std::vector<Cell>> next;
@@ -35,6 +54,7 @@ class CopiedMaps {
   [[nodiscard]] std::size_t cells() const { return static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_); }
 
   int side_;
+  int first_;
   std::vector<std::vector<Cell>> maps_;
 };
 
@@ -51,8 +71,8 @@ std::vector<int> random_copies(int particles, int wanted, Rng& rng) {
 void observe(AncestryGrid& grid, CopiedMaps& maps, int particle, Rng& rng) {
   AncestryGrid::Writer writer = grid.writer(particle);
   for (int blob = 0; blob < 3; ++blob) {
-    const auto column = static_cast<int>(rng.below(kSide_cells - 8));
-    const auto row = static_cast<int>(rng.below(kSide_cells - 8));
+    const int column = grid.geometry().first_column + static_cast<int>(rng.below(kSide_cells - 8));
+    const int row = grid.geometry().first_row + static_cast<int>(rng.below(kSide_cells - 8));
     for (int i = 0; i < 12; ++i) {
       const int x = column + static_cast<int>(rng.below(8));
       const int y = row + static_cast<int>(rng.below(8));
@@ -68,11 +88,11 @@ void observe(AncestryGrid& grid, CopiedMaps& maps, int particle, Rng& rng) {
   }
 }
 
-void expect_equal_maps(AncestryGrid& grid, CopiedMaps& maps, int particles) {
+void expect_equal_maps(AncestryGrid& grid, CopiedMaps& maps, int particles, int first = 0, int side = kSide_cells) {
   for (int particle = 0; particle < particles; ++particle) {
     AncestryGrid::View view = grid.view(particle);
-    for (int row = 0; row < kSide_cells; ++row) {
-      for (int column = 0; column < kSide_cells; ++column) {
+    for (int row = first; row < first + side; ++row) {
+      for (int column = first; column < first + side; ++column) {
         const Cell& expected = maps.at(static_cast<std::size_t>(particle), column, row);
         ASSERT_EQ(view.at({column, row}), expected) << particle << " at " << column << ", " << row;
       }
@@ -102,6 +122,78 @@ TEST(AncestryGrid, ShowsEveryParticleTheMapThatACopyOfItsOwnWouldHave) {
     }
     EXPECT_EQ(grid.counters().refused_tiles, 0);
   }
+}
+
+TEST(AncestryGrid, IsAWindowThatForgetsWhatItLeavesBehindAndWhatGrowsOld) {
+  constexpr int kTile_cells = AncestryGrid::kTileSide_cells;
+  constexpr int kFirst = -208;  // a plane around all that the window comes to
+  constexpr int kPlane_cells = 496;
+  constexpr int kParticles = 6;
+  AncestryGrid grid(small_grid(), kParticles);
+  CopiedMaps maps(kPlane_cells, kFirst);
+  Rng rng(11);
+  int column = kSide_cells / 2;
+  int row = kSide_cells / 2;
+  std::array<double, (kPlane_cells / kTile_cells) * (kPlane_cells / kTile_cells)> written{};
+  const auto tile_of = [](int x, int y) {
+    return static_cast<std::size_t>((y - kFirst) / kTile_cells * (kPlane_cells / kTile_cells) +
+                                    (x - kFirst) / kTile_cells);
+  };
+  std::int64_t moves = 0;
+  std::int64_t forgotten = 0;
+  for (int round = 0; round < 120; ++round) {
+    const GridGeometry before = grid.geometry();
+    column = std::clamp(column + static_cast<int>(rng.below(21)) - 8, kFirst + 64, kFirst + kPlane_cells - 64);
+    row = std::clamp(row + static_cast<int>(rng.below(21)) - 12, kFirst + 64, kFirst + kPlane_cells - 64);
+    const std::vector<int> copies = random_copies(grid.tree().particles(), kParticles, rng);
+    grid.retain(copies);
+    grid.branch(copies);
+    maps.resample(copies);
+    grid.set_travel(round);
+    static_cast<void>(grid.view(0).at({column, row}));  // answers that are there already are forgotten, too
+    grid.follow({column, row});
+    const GridGeometry& now = grid.geometry();
+    moves += now.first_column != before.first_column || now.first_row != before.first_row ? 1 : 0;
+    ASSERT_LE(std::abs(now.first_column - before.first_column), kTile_cells);
+    ASSERT_GE(column, now.first_column + kTile_cells / 4);
+    ASSERT_LT(column, now.first_column + kSide_cells - kTile_cells / 4);
+    grid.forget_before(round - 2.0, 25);  // all of them
+    maps.forget([&](int x, int y) {
+      const bool is_outside = x < now.first_column || y < now.first_row || x >= now.first_column + kSide_cells ||
+                              y >= now.first_row + kSide_cells;
+      const bool is_old = written[tile_of(x, y)] < round - 2.0;
+      forgotten += is_old && !is_outside && !maps.at(0, x, y).is_unknown() ? 1 : 0;
+      return is_outside || is_old;
+    });
+    for (int i = 0; i < kParticles; i += 2) {
+      CopiedMaps noted = maps;
+      observe(grid, maps, i, rng);
+      for (int y = now.first_row; y < now.first_row + kSide_cells; ++y) {
+        for (int x = now.first_column; x < now.first_column + kSide_cells; ++x) {
+          if (!(noted.at(static_cast<std::size_t>(i), x, y) == maps.at(static_cast<std::size_t>(i), x, y))) {
+            written[tile_of(x, y)] = round;
+          }
+        }
+      }
+    }
+    ASSERT_NO_FATAL_FAILURE(expect_equal_maps(grid, maps, kParticles, kFirst, kPlane_cells)) << "round " << round;
+  }
+  EXPECT_GT(moves, 20);
+  EXPECT_GT(forgotten, 500);
+  EXPECT_EQ(grid.counters().refused_tiles, 0);
+  EXPECT_EQ(grid.counters().outside_tiles, 0);
+}
+
+TEST(AncestryGrid, HasNoEdge) {
+  AncestryGrid grid(small_grid(), 1);
+  grid.centre_on({1'000'000'000, -1'000'000'000});
+  grid.writer(0).at({1'000'000'000, -1'000'000'000}).hit();
+  EXPECT_EQ(grid.view(0).at({1'000'000'000, -1'000'000'000}).hits(), 1U);
+  OccupancyMap map;
+  grid.write_occupancy(0, 0.01, map);
+  EXPECT_EQ(map.width_cells, AncestryGrid::kTileSide_cells);
+  EXPECT_NEAR(map.origin_x_m, 1e8, 8.0);
+  EXPECT_EQ(grid.counters().outside_tiles, 0);
 }
 
 TEST(AncestryGrid, KeepsOneVersionPerTileOnceAllDescendFromOneParticle) {

@@ -36,6 +36,11 @@ TEST(DeviceAddress, UsbHasHexadecimalNumbersAndPerhapsASerialNumber) {
             (UsbAddress{.vendor = 0x0403, .product = 0x6001, .serial = "A/7"}));
 }
 
+TEST(DeviceAddress, UdpIsANumberOfThisMachine) {
+  EXPECT_EQ(std::get<UdpAddress>(parse_device_address("udp://0.0.0.0:5005").value()),
+            (UdpAddress{.host = "0.0.0.0", .port = 5005}));
+}
+
 TEST(DeviceAddress, OnlyASerialLineHasARateOfOurs) {
   EXPECT_TRUE(is_serial("/dev/ttyS0"));
   EXPECT_FALSE(is_serial("tcp://192.168.0.10:4001"));
@@ -47,7 +52,7 @@ TEST(DeviceAddress, RefusesWhatIsNeither) {
   for (const char* const wrong :
        {"", "tcp://", "tcp://laser", "tcp://1.2.3.4", "tcp://1.2.3.4:0", "tcp://1.2.3.4:65536", "tcp://1.2.3.4:-1",
         "tcp://1.2.3:80", "usb://", "usb://15d1", "usb://15d1:", "usb://15d1:10000", "usb://15d1:0000/", "usb://x:y",
-        "usb://+1:0", "udp://1.2.3.4:5", "http://x"}) {
+        "usb://+1:0", "udp://1.2.3.4", "udp://laser:5", "http://x"}) {
     EXPECT_EQ(parse_device_address(wrong).error(), Errc::kBadAddress) << wrong;
   }
 }

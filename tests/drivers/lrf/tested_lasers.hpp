@@ -15,9 +15,10 @@ struct TestedLaser {
   int baud = 0;  ///< 0: as it comes, or searched for
   int wrong_baud =
       0;  ///< a rate that the driver keeps to though the laser has another; 0: the driver finds the right one
-  RplidarScan rplidar_scan = RplidarScan::kStandard;
+  RplidarScan rplidar_scan = RplidarScan::kUsual;
   SickVariant sick_variant = SickVariant::k180ByHalf;
   LrfRanging ydlidar_ranging = LrfRanging::kTriangle;
+  SopasScan sopas_scan = SopasScan::kAsSet;
   bool has_sums = true;  ///< its protocol: what is damaged can be told
 
   [[nodiscard]] LrfParams params() const {
@@ -27,6 +28,7 @@ struct TestedLaser {
     params.rplidar_scan = rplidar_scan;
     params.sick_variant = sick_variant;
     params.ydlidar_ranging = ydlidar_ranging;
+    params.sopas_scan = sopas_scan;
     return params;
   }
   friend void PrintTo(const TestedLaser& laser, std::ostream* out) { *out << laser.name; }
@@ -47,12 +49,20 @@ inline constexpr TestedLaser kTestedLasers[] = {
      .model = "rplidar-a1",
      .driver = LrfDriver::kRplidar,
      .wrong_baud = 256000,
+     .rplidar_scan = RplidarScan::kStandard,
      .has_sums = false},
     {.name = "rplidar_express",
      .model = "rplidar-a2",
      .driver = LrfDriver::kRplidar,
      .wrong_baud = 256000,
      .rplidar_scan = RplidarScan::kExpress},
+    {.name = "rplidar_a1", .model = "rplidar-a1", .driver = LrfDriver::kRplidar, .wrong_baud = 256000},
+    {.name = "rplidar_a2", .model = "rplidar-a2", .driver = LrfDriver::kRplidar, .wrong_baud = 256000},
+    {.name = "rplidar_a3", .model = "rplidar-a3", .driver = LrfDriver::kRplidar, .wrong_baud = 115200},
+    {.name = "rplidar_c1", .model = "rplidar-c1", .driver = LrfDriver::kRplidar, .wrong_baud = 256000},
+    {.name = "rplidar_s1", .model = "rplidar-s1", .driver = LrfDriver::kRplidar, .wrong_baud = 1000000},
+    {.name = "rplidar_s2", .model = "rplidar-s2", .driver = LrfDriver::kRplidar, .wrong_baud = 460800},
+    {.name = "rplidar_s3", .model = "rplidar-s3", .driver = LrfDriver::kRplidar, .wrong_baud = 256000},
     {.name = "ldrobot_ld06", .model = "ld06", .driver = LrfDriver::kLdrobot, .wrong_baud = 921600},
     {.name = "ldrobot_ld19", .model = "ld19", .driver = LrfDriver::kLdrobot, .wrong_baud = 115200},
     {.name = "ldrobot_stl", .model = "stl-27l", .driver = LrfDriver::kLdrobot, .wrong_baud = 230400},
@@ -64,6 +74,15 @@ inline constexpr TestedLaser kTestedLasers[] = {
      .driver = LrfDriver::kYdlidar,
      .wrong_baud = 230400,
      .ydlidar_ranging = LrfRanging::kTimeOfFlight},
+    {.name = "sopas_ascii", .model = "lms111", .driver = LrfDriver::kSopas, .has_sums = false},
+    {.name = "sopas_quarter",
+     .model = "lms111",
+     .driver = LrfDriver::kSopas,
+     .sopas_scan = SopasScan::k25HzByQuarter,
+     .has_sums = false},
+    {.name = "sopas_tim551", .model = "tim551", .driver = LrfDriver::kSopas, .has_sums = false},
+    {.name = "sopas_binary", .model = "tim571", .driver = LrfDriver::kSopas},
+    {.name = "csv", .model = "csv", .driver = LrfDriver::kCsv, .has_sums = false},
 };
 
 inline std::string laser_name(const auto& tested) { return tested.param.name; }

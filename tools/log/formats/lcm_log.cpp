@@ -1,6 +1,7 @@
 // LCM logs, lcm-logger's and those of the daemon's recorder.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <bot_core/joint_state_t.hpp>
 #include <bot_core/planar_lidar_t.hpp>

@@ -1,6 +1,7 @@
 // ROS 1 bags, format 2.0.
 #include <fmt/core.h>
 
+#include <functional>
 #include <map>
 
 #include "tools/log/binary_cursor.hpp"

@@ -24,7 +24,8 @@ TEST(RplidarRequest, HasThePublishedBytes) {
   EXPECT_EQ(bytes_of(Request(Command::kScan)), bytes_of({0xA5, 0x20}));
   EXPECT_EQ(bytes_of(Request(Command::kExpress, bytes_of({0, 0, 0, 0, 0}))),
             bytes_of({0xA5, 0x82, 0x05, 0, 0, 0, 0, 0, 0x22}));
-  EXPECT_EQ(bytes_of(Request(Command::kMotor, bytes_of({0x94, 0x02}))), bytes_of({0xA5, 0xF0, 0x02, 0x94, 0x02, 0xC1}));
+  EXPECT_EQ(bytes_of(Request(Command::kMotorDuty, bytes_of({0x94, 0x02}))),
+            bytes_of({0xA5, 0xF0, 0x02, 0x94, 0x02, 0xC1}));
 }
 
 TEST(RplidarDescriptor, IsReadAsPublished) {
@@ -51,45 +52,6 @@ TEST(RplidarNode, IsReadAndItsBitsAreChecked) {
   EXPECT_FALSE(node_of(bytes_of({0x3C, 0x01, 0x2D, 0x40, 0x1F})).has_value()) << "neither mark";
   EXPECT_FALSE(node_of(bytes_of({0x3D, 0x00, 0x2D, 0x40, 0x1F})).has_value()) << "no check bit";
   EXPECT_FALSE(node_of(bytes_of({0x3D, 0x01, 0xFF, 0x40, 0x1F})).has_value()) << "more than a turn";
-}
-
-std::vector<std::byte> capsule() {
-  std::vector<std::byte> bytes(kCapsuleBytes);
-  bytes[2] = std::byte{0x00};
-  bytes[3] = std::byte{0x96};  // first capsule, 5632 / 64 = 88 degrees
-  bytes[4] = std::byte{0x43};  // 4000 quarters of a millimetre and twice 63: bits 0 and 1 are of the compensation
-  bytes[5] = std::byte{0x0F};
-  bytes[8] = std::byte{0x4F};  // compensations: all ones (with the two bits: 63 eighths), and 4 eighths
-  unsigned sum = 0;
-  for (std::size_t i = 2; i < kCapsuleBytes; ++i) {
-    sum ^= std::to_integer<unsigned>(bytes[i]);
-  }
-  bytes[0] = static_cast<std::byte>(0xA0U | (sum & 0x0FU));
-  bytes[1] = static_cast<std::byte>(0x50U | (sum >> 4U));
-  return bytes;
-}
-
-TEST(RplidarCapsule, SpreadsItsPointsUpToTheNextOne) {
-  const std::vector<std::byte> bytes = capsule();
-  ASSERT_TRUE(is_capsule(bytes));
-  EXPECT_TRUE(is_first_capsule(bytes));
-  EXPECT_DOUBLE_EQ(capsule_angle_deg(bytes), 88.0);
-  const auto points = points_of(bytes, 16.0);
-  EXPECT_DOUBLE_EQ(points[0].angle_deg, 88.0 - 7.875);
-  EXPECT_DOUBLE_EQ(points[0].range_m, 0x0F40 / 4000.0);
-  EXPECT_DOUBLE_EQ(points[1].angle_deg, 88.5 - 0.5);
-  EXPECT_DOUBLE_EQ(points[31].angle_deg, 88.0 + 15.5);
-}
-
-TEST(RplidarCapsule, ItsSumSeesEveryChangeOfOneByte) {
-  const std::vector<std::byte> bytes = capsule();
-  for (std::size_t at = 0; at < bytes.size(); ++at) {
-    for (int change = 1; change < 256; ++change) {
-      std::vector<std::byte> other = bytes;
-      other[at] ^= static_cast<std::byte>(change);
-      ASSERT_FALSE(is_capsule(other)) << "byte " << at << " changed by " << change;
-    }
-  }
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ void expect_taken(const std::vector<Told>& scan) {
   for (const Told& told : scan) {
     append_node(bytes, told);
   }
-  PointReader reader(RplidarScan::kStandard);
+  PointReader reader;
   std::span<const std::byte> rest(bytes);
   std::size_t points = 0;
   PointReader::Outcome outcome = reader.take(rest);
@@ -97,7 +97,7 @@ TEST(RplidarPointReader, FarPointsMustGoOnFromOneToTheNext) {
     for (int i = 0; i < 10; ++i) {
       append_node(bytes, {3000, i == 8 ? wrong_deg : 93.0 + i});
     }
-    PointReader reader(RplidarScan::kStandard);
+    PointReader reader;
     std::span<const std::byte> rest(bytes);
     for (int i = 0; i < 8; ++i) {
       EXPECT_EQ(reader.take(rest), PointReader::Outcome::kPoints);

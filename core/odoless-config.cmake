@@ -1,0 +1,3 @@
+include(CMakeFindDependencyMacro)
+find_dependency(Eigen3)
+include(${CMAKE_CURRENT_LIST_DIR}/odoless-targets.cmake)

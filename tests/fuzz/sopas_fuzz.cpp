@@ -1,0 +1,12 @@
+// Whatever a SOPAS laser's connection carries, at whatever times: the session neither crashes nor spins, and what it
+// passes on is whole.
+#include <cstddef>
+
+#include "tests/fuzz/lrf_session_fuzz.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  odoless::LrfParams params;
+  params.driver = odoless::LrfDriver::kSopas;
+  odoless::test::fuzz_session("tim551", params, {reinterpret_cast<const char*>(data), size});
+  return 0;
+}
