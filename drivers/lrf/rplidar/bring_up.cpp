@@ -143,7 +143,7 @@ void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
       return enter(Step::kAskSampleTime, now_ns);
     case Step::kAskSampleTime:
       on_sample_time({});
-      return turn_motor(now_ns);
+      return ask_for_speed(now_ns);
     case Step::kAskModeRange:
     case Step::kAskSpeed:
       return on_setting({}, now_ns, sink);
@@ -189,9 +189,22 @@ void BringUp::receive(std::span<const std::byte>& bytes, std::int64_t now_ns, Lr
   }
 }
 
+void BringUp::on_info(std::span<const std::byte> data, std::int64_t now_ns) {
+  Info info{};
+  std::copy_n(data.begin(), std::min(data.size(), info.size()), info.begin());
+  is_known_ = is_known_ && info == info_;
+  info_ = info;
+  series_ = static_cast<int>(byte_at(data, 0) >> 4U);
+  enter(Step::kAskHealth, now_ns);
+}
+
 /// Which mode is wished for by its number, or the device's own choice.
 void BringUp::ask_for_mode(std::int64_t now_ns) {
+  if (std::exchange(is_known_, false)) {  // until it streams again
+    return turn_motor(now_ns);
+  }
   has_modes_ = false;
+  told_all_ = true;
   scan_mode_ = {};
   mode_ = params_.rplidar_scan == RplidarScan::kExpress ? kExpressMode : kStandardMode;
   enter(params_.rplidar_scan == RplidarScan::kUsual ? Step::kAskUsualMode : Step::kAskModeSample, now_ns);
@@ -210,6 +223,7 @@ void BringUp::on_sample_time(std::span<const std::byte> data) {
 
 /// The value of the setting that was asked for; empty: it has none.
 void BringUp::on_setting(std::span<const std::byte> value, std::int64_t now_ns, LrfSink& sink) {
+  told_all_ = told_all_ && !value.empty();
   switch (step_) {
     case Step::kAskUsualMode:
       mode_ = value.size() >= 2 ? static_cast<int>(number_at(value, 0)) : -1;
@@ -232,22 +246,28 @@ void BringUp::on_setting(std::span<const std::byte> value, std::int64_t now_ns, 
     }
     case Step::kAskModeRange:
       scan_mode_.range_max_m = value.size() >= 4 ? long_at(value, 0) / 256.0 : 0.0;
-      return turn_motor(now_ns);
+      return ask_for_speed(now_ns);
     default:  // the speed
       speed_rpm_ = value.size() >= 4 ? static_cast<int>(number_at(value, 0)) : 0;
       duty_ = value.size() >= 4 ? static_cast<int>(number_at(value, 2)) : kUsualDuty;
       duty_ = series_ >= kSpeedRpmSeries ? 0 : duty_;
-      return enter(duty_ > 0 || (series_ >= kSpeedRpmSeries && speed_rpm_ > 0) ? Step::kMotor : Step::kScan, now_ns);
+      return turn_motor(now_ns);
   }
 }
 
-void BringUp::turn_motor(std::int64_t now_ns) {
+void BringUp::ask_for_speed(std::int64_t now_ns) {
+  speed_rpm_ = 0;
   duty_ = params_.rplidar_pwm;
   const bool takes_duty = std::ranges::find(kDutySeries, series_) != kDutySeries.end();
   if (duty_ == 0 && takes_duty && !has_modes_) {
     duty_ = kUsualDuty;
   }
-  enter(duty_ > 0 ? Step::kMotor : takes_duty || series_ >= kSpeedRpmSeries ? Step::kAskSpeed : Step::kScan, now_ns);
+  const bool is_asked = duty_ == 0 && (takes_duty || series_ >= kSpeedRpmSeries);
+  return is_asked ? enter(Step::kAskSpeed, now_ns) : turn_motor(now_ns);
+}
+
+void BringUp::turn_motor(std::int64_t now_ns) {
+  enter(duty_ > 0 || (series_ >= kSpeedRpmSeries && speed_rpm_ > 0) ? Step::kMotor : Step::kScan, now_ns);
 }
 
 void BringUp::on_stream(const Descriptor& descriptor, std::int64_t now_ns, LrfSink& sink) {
@@ -261,6 +281,7 @@ void BringUp::on_stream(const Descriptor& descriptor, std::int64_t now_ns, LrfSi
     return fail(error, -1, now_ns, sink);
   }
   step_ = Step::kDone;
+  is_known_ = has_modes_ && told_all_;
   rate_.found();
   silence_told_ = false;
 }
@@ -269,11 +290,7 @@ void BringUp::on_answer(const Descriptor& descriptor, std::span<const std::byte>
                         LrfSink& sink) {
   switch (step_) {
     case Step::kAskInfo:
-      if (descriptor.type != kInfoType || data.empty()) {
-        return enter(Step::kStop, now_ns);
-      }
-      series_ = static_cast<int>(byte_at(data, 0) >> 4U);
-      return enter(Step::kAskHealth, now_ns);
+      return descriptor.type == kInfoType && !data.empty() ? on_info(data, now_ns) : enter(Step::kStop, now_ns);
     case Step::kAskHealth: {
       if (descriptor.type != kHealthType || data.size() != 3) {
         return enter(Step::kStop, now_ns);
@@ -283,7 +300,7 @@ void BringUp::on_answer(const Descriptor& descriptor, std::span<const std::byte>
     }
     case Step::kAskSampleTime:
       on_sample_time(descriptor.type == kSampleTimeType ? data : std::span<const std::byte>{});
-      return turn_motor(now_ns);
+      return ask_for_speed(now_ns);
     case Step::kScan:
       return on_stream(descriptor, now_ns, sink);
     default: {

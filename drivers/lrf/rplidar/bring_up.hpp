@@ -23,6 +23,8 @@ namespace odoless::rplidar {
 ///   5. turn the motor, where that takes a command, at the speed that the device tells;
 ///   6. start the scan; no answer: the device doesn't know it.
 ///
+/// What a device that streamed has told in 4 and 5 holds as long as its answer in 2, which has its firmware and serial
+/// number, is the same.
 /// Thread: one thread. Real time: no allocation.
 class BringUp {
  public:
@@ -60,15 +62,18 @@ class BringUp {
     kDone
   };
   static constexpr std::size_t kAnswerMaxBytes = 32;
+  using Info = std::array<std::byte, 20>;  ///< model, firmware, hardware, serial number
 
   void enter(Step step, std::int64_t now_ns);
   [[nodiscard]] Request request_of(Step step) const;
   void fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink& sink);
   void on_answer(const Descriptor& descriptor, std::span<const std::byte> data, std::int64_t now_ns, LrfSink& sink);
+  void on_info(std::span<const std::byte> data, std::int64_t now_ns);
   void on_setting(std::span<const std::byte> value, std::int64_t now_ns, LrfSink& sink);
   void on_sample_time(std::span<const std::byte> data);
   void on_stream(const Descriptor& descriptor, std::int64_t now_ns, LrfSink& sink);
   void ask_for_mode(std::int64_t now_ns);
+  void ask_for_speed(std::int64_t now_ns);
   void turn_motor(std::int64_t now_ns);
   void tell_silence(LrfSink& sink);
 
@@ -79,9 +84,12 @@ class BringUp {
   std::int64_t deadline_ns_ = 0;
   std::int64_t drain_end_ns_ = 0;
   RateSearch rate_;
+  Info info_{};
   int series_ = 0;  ///< the first digit of its model
   int mode_ = 0;    ///< by the device's list
   bool has_modes_ = false;
+  bool told_all_ = false;     ///< what it was asked in 4 and 5
+  bool is_known_ = false;     ///< what it told is still to hold
   bool is_standard_ = false;  ///< its scan comes in nodes
   ScanMode scan_mode_;
   int speed_rpm_ = 0;  ///< of the motor, as the device tells
