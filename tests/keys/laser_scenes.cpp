@@ -109,6 +109,7 @@ std::vector<Scene> scenes() {
           session_with("rplidar-a2", "driver = \"rplidar\"\n"),
           session_with("ld19", "driver = \"ldrobot\"\nbaud = 230400\n"),
           session_with("ydlidar-x4", "driver = \"ydlidar\"\nbaud = 128000\n"),
+          session_with("lms111", "driver = \"sopas\"\n"),
           session_with("utm-30lx", "driver = \"scip\"\n", "silence@1:0.7"),
           opening()};
 }

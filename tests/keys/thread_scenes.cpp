@@ -177,10 +177,11 @@ std::string ran(const std::filesystem::path& folder, const DaemonParams& params)
     options.params = params;
     options.folder = folder;
     options.source = std::make_unique<QuietSource>(1'500'000'000, list);
-    options.save = [&log](const DaemonResult& result) {
+    options.save = [&log](const SaveRequest& /*request*/, const auto& result_of, const SaveProgress& /*progress*/) {
+      const DaemonResult result = result_of();
       log << fmt::format("cloud: {} as {}\n", result.health.cloud.has_value(), static_cast<int>(result.cloud_format))
           << std::flush;
-      return std::string();
+      return SaveOutcome{};
     };
     std::freopen("/dev/null", "w", stderr);
     const int status = run_daemon(std::move(options));
