@@ -18,7 +18,8 @@ struct SubmapReferenceParams : ReferenceParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    describe_first_try(self, visit);
+    describe_common(self, visit);
+    describe_many_scans(self, visit);
   }
 };
 

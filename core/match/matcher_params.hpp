@@ -20,13 +20,13 @@ struct ReferenceParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    describe_first_try(self, visit);
-    visit.value("wide_cell_size_m", self.wide_cell_size_m, Range{0.0, 20.0},
-                "Side of an NDT cell when a poor match is tried again; 0: the blurred raster serves.");
+    describe_common(self, visit);
+    describe_second_try(self, visit);
+    describe_many_scans(self, visit);
   }
-  /// All but what serves a second try.
+  /// Of every reference.
   template <class Self, class Visitor>
-  static void describe_first_try(Self& self, Visitor& visit) {
+  static void describe_common(Self& self, Visitor& visit) {
     visit.group("ndt", self.ndt, "The Normal Distributions Transform that the last step climbs.");
     visit.group("fine", self.fine, "Raster that the second half of the search looks up.");
     visit.group("coarse", self.coarse, "Blurred raster that the first half of the search looks up.");
@@ -37,8 +37,25 @@ struct ReferenceParams {
     visit.value("free_penalty", self.free_penalty, Range{0.0, 1.0},
                 "What a point loses where the reference saw through; in the fine raster alone, since it hinders the "
                 "coarse search.");
+  }
+  template <class Self, class Visitor>
+  static void describe_second_try(Self& self, Visitor& visit) {
+    visit.value("wide_cell_size_m", self.wide_cell_size_m, Range{0.0, 20.0},
+                "Side of an NDT cell when a poor match is tried again; 0: the blurred raster serves.");
+  }
+  template <class Self, class Visitor>
+  static void describe_many_scans(Self& self, Visitor& visit) {
     visit.value("free_every", self.free_every, Range{1, 100},
                 "One scan in so many marks free space; where scans overlap, the others mark the same.");
+  }
+};
+
+/// A reference of one scan.
+struct ScanReferenceParams : ReferenceParams {
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    describe_common(self, visit);
+    describe_second_try(self, visit);
   }
 };
 
@@ -83,7 +100,7 @@ struct SearchParams {
 /// The matcher's whole setting.
 struct MatcherParams {
   int points_max = 2048;
-  ReferenceParams reference{};
+  ScanReferenceParams reference{};
   SearchParams search{};
   SearchParams retry{.box_translation_m = 4.0,
                      .box_rotation_rad = 3.1416,
