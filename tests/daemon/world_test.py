@@ -84,6 +84,30 @@ class World(DaemonCase):
         self.assertEqual(content(self.path("again/trajectory.tum")), content(self.path("coarse/trajectory.tum")))
         self.assertLess(len(content(self.path("coarse/map.pgm"))), len(content(self.path("again/map.pgm"))) / 4)
 
+    def test_adds_a_session_to_what_is_there(self):
+        log = self.log()
+        for session in (1, 2):
+            made = run("odoless", "replay", log, "--out", self.path(f"run{session}"), "--seed", session, "--world", self.path("w"))
+            self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertEqual(self.count("session"), 2)
+        said = self.world("export", self.path("w"), "--out", self.path("again2"))
+        self.assertIn("session 1 is left out", said.stderr)
+        self.world("export", self.path("w"), "--session", 1, "--out", self.path("again1"))
+        for session in (1, 2):
+            for name in ("trajectory.tum", "pose_graph.g2o", "map.pgm"):
+                self.assertEqual(content(self.path(f"run{session}/{name}")), content(self.path(f"again{session}/{name}")), name)
+
+    def test_begins_a_session_with_each_map(self):
+        daemon = self.start_world()
+        self.assertEqual(self.ctl("reset").returncode, 0)
+        self.wait_until(lambda: self.count("session") == 2, 10)
+        self.wait_until(lambda: self.ask("SELECT count(*) FROM keyframe WHERE session = 2") > 1, 10)
+        self.stop_in_time(daemon)
+        self.world("check", self.path("w"))
+        first, second = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
+        self.assertGreater(first["keyframes"], 1)
+        self.assertGreater(second["keyframes"], 1)
+
     def test_holds_what_the_daemon_mapped(self):
         daemon = run("odolessd", "--config", self.config, "--replay", self.log(), "--out", self.path("out"), "--world",
                      self.path("w"))

@@ -192,6 +192,22 @@ std::vector<StampedPose> trajectory_of(const StoredWorld& world, const StoredSes
   return poses;
 }
 
+bool is_in(const Joined& joined, const StoredSession& session) {
+  return session.submaps > 0 && std::ranges::binary_search(joined.submaps, session.first_submap);
+}
+
+/// Where other sessions lie in this map is not known: they are left out, and that is said.
+void tell_of_others(const StoredWorld& world, const Joined& joined, std::size_t chosen) {
+  for (std::size_t i = 0; i < world.sessions.size(); ++i) {
+    if (world.sessions[i].submaps > 0 && !is_in(joined, world.sessions[i])) {
+      fmt::print(
+          stderr,
+          "odoless: session {} is left out: no loop closure joins it with session {}; `--session {}` exports it\n",
+          i + 1, chosen, i + 1);
+    }
+  }
+}
+
 void run_export(const WorldJob& job) {
   WorldFile file;
   const std::unique_ptr<StoredWorld> world = read(job, file);
@@ -203,7 +219,7 @@ void run_export(const WorldJob& job) {
   const std::filesystem::path& out = folder.unfinished();
   ColouredPath path{{}, kPathColour};
   for (std::size_t i = 0; i < world->sessions.size(); ++i) {
-    if (std::ranges::binary_search(joined.submaps, world->sessions[i].first_submap) && world->sessions[i].submaps > 0) {
+    if (is_in(joined, world->sessions[i])) {
       const std::vector<StampedPose> poses = trajectory_of(*world, world->sessions[i]);
       std::ranges::transform(poses, std::back_inserter(path.poses), &StampedPose::map_T_scan);
       write_trajectory(out / (i == chosen ? "trajectory.tum" : fmt::format("trajectory_{}.tum", i + 1)), poses);
@@ -221,6 +237,7 @@ void run_export(const WorldJob& job) {
   folder.finish();
   fmt::print("session {}, {} of {} submaps: {}\n", chosen + 1, joined.submaps.size(), world->submaps.size(),
              job.out.string());
+  tell_of_others(*world, joined, chosen + 1);
 }
 
 void run_compact(const WorldJob& job) {
