@@ -105,10 +105,14 @@ void WorldKeeper::add(const StampedPose& odom_T_scan, int map_number) {
   odometry.push_back(odom_T_scan);
 }
 
+// From one beginning to the next: on a slow disk, what a write takes would come on top of the pause.
 void WorldKeeper::run() {
-  const auto pause = std::chrono::duration<double>(params_.write_every_s);
+  using Clock = std::chrono::steady_clock;
+  const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(params_.write_every_s));
+  Clock::time_point begin = Clock::now();
   std::unique_lock lock(mutex_);
-  while (!changed_.wait_for(lock, pause, [this] { return stage_ != Stage::kRunning; })) {
+  while (!changed_.wait_until(lock, begin + period, [this] { return stage_ != Stage::kRunning; })) {
+    begin = Clock::now();
     lock.unlock();
     round(kPatience);
     lock.lock();
