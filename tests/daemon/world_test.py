@@ -17,7 +17,7 @@ import unittest
 
 from support import DaemonCase, WORLD, run
 
-EX_DATAERR, EX_UNAVAILABLE, EX_CANTCREAT, EX_CONFIG = 65, 69, 73, 78
+EX_USAGE, EX_DATAERR, EX_UNAVAILABLE, EX_CANTCREAT, EX_CONFIG = 64, 65, 69, 73, 78
 KILLS = int(os.environ.get("ODOLESS_KILLS", "10"))
 POSE_BYTES = 32
 
@@ -225,6 +225,8 @@ class World(DaemonCase):
             self.assertEqual(outcome.returncode, EX_DATAERR, outcome.stderr)
             self.assertIn("no SQLite file", outcome.stderr)
         self.assertEqual(content(self.path("w")), letter)
+        elsewhere = run("odolessd", "--config", self.config, "--stages", "sensor,matcher", "--world", self.path("n"))
+        self.assertEqual(elsewhere.returncode, EX_USAGE, elsewhere.stderr)
         no_graph = self.write_config("plain.toml", more="[graph]\nenabled = false\n")
         self.assertEqual(run("odolessd", "--config", no_graph, "--world", self.path("n")).returncode, EX_CONFIG)
 

@@ -103,6 +103,9 @@ DaemonOptions options_of(const Arguments& arguments) {
   options.version = ODOLESS_VERSION;
   options.configuration = write_toml(options.params);
   options.stages = stages_of(arguments.stages);
+  if (!arguments.world.empty() && !has_filter(options.stages)) {
+    throw UsageError("--world needs the filter stage here, which has the map");
+  }
   options.seed = arguments.seed;
   options.require_realtime = arguments.require_realtime;
   options.enforce_realtime = arguments.enforce_realtime;
