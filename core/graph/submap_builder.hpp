@@ -27,6 +27,10 @@ class SubmapBuilder {
   /// Every keyframe. While the store is full its motion alone is noted.
   /// @return  Whether a submap has ended: `finished` says which.
   bool add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store);
+  /// The same of a keyframe that the store has already.
+  bool add_stored(int index, KeyframeStore& store);
+  /// Goes on after a submap that was made before, whose keyframes the store has.
+  void resume(const Submap& last, const KeyframeStore& store);
   /// Ends the submap that has begun. @return  Whether there was one.
   bool finish(KeyframeStore& store);
 
@@ -41,6 +45,8 @@ class SubmapBuilder {
   };
 
   [[nodiscard]] bool is_full() const;
+  /// Before a keyframe is taken. @return  Whether a submap has ended.
+  bool pass(const OdometryStretch& step, KeyframeStore& store);
 
   GraphParams params_;
   std::vector<Begun> begun_;

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "config/robot_params.hpp"
@@ -26,6 +29,9 @@ class GraphFeed {
   static constexpr std::size_t kStack_bytes = std::size_t{2} << 20;
   static constexpr std::size_t kScratch_bytes = std::size_t{4} << 20;  ///< of matches and solutions
 
+  using Patience = std::chrono::milliseconds;
+  using Observer = std::function<void(const Keyframe&, std::span<const BeamCode>)>;
+
   /// @param lossless  No keyframe is left out: `add` waits.
   GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossless);
   /// Starts the thread. @return  0, or the errno for which there is none.
@@ -34,14 +40,20 @@ class GraphFeed {
   GraphFeed(const GraphFeed&) = delete;
   GraphFeed& operator=(const GraphFeed&) = delete;
 
+  /// Before the first keyframe: told each that is not left out, by who adds it.
+  void tell(Observer observer) { observer_ = std::move(observer); }
   /// Another map number than before begins anew.
   void add(const Keyframe& keyframe, std::span<const BeamCode> codes);
 
   /// What it has come to.
   [[nodiscard]] GraphHealth health() const;
+  /// Shows the graph and its map number, unless it is at work for longer than that. @return  Whether it was shown.
+  [[nodiscard]] bool look(Patience patience, const std::function<void(const SubmapGraph&, int)>& show);
+  /// The run is over: works on all that waits, and ends the graph. Once; later calls do nothing.
+  void finish();
   /// The map as known now, and what corrects the trajectory; none where there is no submap yet, and nothing is written.
   /// Allocates, and holds up the graph meanwhile.
-  /// @param is_last  The run is over: all that waits is worked on before.
+  /// @param is_last  The run is over: it is finished before.
   [[nodiscard]] std::optional<TrajectoryCorrection> write(bool is_last, OccupancyMap& map);
 
  private:
@@ -73,9 +85,11 @@ class GraphFeed {
   bool is_ending_ = false;
   std::atomic<bool> is_hurried_{false};  ///< somebody waits for the end
   GraphHealth health_;
-  mutable std::mutex graph_mutex_;
+  Observer observer_;
+  mutable std::timed_mutex graph_mutex_;
   std::optional<SubmapGraph> graph_;  ///< always there; begun anew with another map
   int map_number_ = 0;
+  bool is_finished_ = false;
   RealTimeThread thread_;
 };
 

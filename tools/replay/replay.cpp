@@ -161,8 +161,11 @@ class GraphRun {
     }
   }
 
-  void finish(ReplayResult& result) {
+  void finish(ReplayResult& result, const GraphWatcher& watcher) {
     graph_.finish();
+    if (watcher) {
+      watcher(graph_, odom_);
+    }
     result.trajectory = graph_.corrected(odom_);
     WorldMap map(params_.slam.low.beam, params_.slam.low.grid.resolution_m);
     map.render(graph_.world(), params_.scan);
@@ -214,7 +217,7 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
   }
   ReplayResult result = recorder.finish(chain.filter().filter());
   if (graph) {
-    graph->finish(result);
+    graph->finish(result, options.on_graph);
   }
   result.source = chain.sensor().counts();
   result.log_duration_s = to_s(log.scans[static_cast<std::size_t>(used.back())].stamp_ns - log.scans.front().stamp_ns);
