@@ -231,9 +231,7 @@ void CrashReporter::open(const std::filesystem::path& folder) {
   take();
 }
 
-void remember_log_line(std::string_view text) {
-  known.log.at(known.logged.fetch_add(1) % kLines).set(text);
-}
+void remember_log_line(std::string_view text) { known.log.at(known.logged.fetch_add(1) % kLines).set(text); }
 
 void remember_state(std::string_view text) { known.state.set(text); }
 

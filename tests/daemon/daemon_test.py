@@ -14,7 +14,8 @@ import time
 import unittest
 
 from support import SOURCES, WORLD, DaemonCase, poses, run, yaw_errors_deg
-from host_watch import HostWatch, keep_promise  # found by support
+from fault_matrix import measured  # found by support
+from host_watch import HostWatch, keep_promise
 
 SPIN = os.path.join(SOURCES, "tools", "worlds", "spin.world")
 PERIOD_S = 0.025  # of the emulated UTM-30LX
@@ -64,8 +65,8 @@ class DaemonTest(DaemonCase):
                 time_to_have_it_back()
             return time_to_flag_it()
 
-        keep_promise(self, 2 * PERIOD_S, time_to_flag_another)
-        keep_promise(self, 1.0, time_to_have_it_back)
+        measured(3, "flag", keep_promise(self, 2 * PERIOD_S, time_to_flag_another), "s")
+        measured(3, "recover", keep_promise(self, 1.0, time_to_have_it_back), "s")
 
     def time_to_notice(self):
         """Until the daemon says that not all is well, but for the time that its answer takes."""
@@ -366,4 +367,4 @@ class DaemonTest(DaemonCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
