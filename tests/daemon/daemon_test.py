@@ -46,15 +46,14 @@ class DaemonTest(DaemonCase):
 
         def time_to_flag_it():
             self.wait_until_ok()
-            laser.kill()
+            self.unplug(laser, "laser")
             return self.time_to_notice()
 
         def time_to_have_it_back():
             nonlocal laser
-            laser.kill()
+            self.unplug(laser, "laser")
             laser.wait()
             self.wait_until(lambda: self.state().startswith("FAULT"), 3)
-            os.remove(self.path("laser"))
             laser = self.start_laser()
             back_s = self.wait_until(lambda: not self.state().startswith("FAULT"), 10)
             self.wait_until(lambda: self.state() == "OK" or "refused" in self.state(), 10)
@@ -282,10 +281,9 @@ class DaemonTest(DaemonCase):
         self.wait_until(lambda: self.state().startswith("DEGRADED") and self.servo_obeys(), 6)
         self.wait_until(lambda: self.state().startswith("DEGRADED") and not self.servo_obeys(), 15)
         self.wait_until(self.servo_obeys, 15)
-        servo.kill()
+        self.unplug(servo, "servo")
         servo.wait()
         self.wait_until(lambda: not self.servo_obeys(), 2)
-        os.remove(self.path("servo"))
         self.start_servo()
         self.wait_until(self.servo_obeys, 5)
         daemon.send_signal(signal.SIGTERM)
