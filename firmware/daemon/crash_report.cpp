@@ -161,6 +161,7 @@ int take_notes(dl_phdr_info* object, std::size_t /*size*/, void* /*data*/) {
       continue;
     }
     for (std::size_t at = 0; at + sizeof(ElfW(Nhdr)) < header.p_memsz;) {
+      // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader tells addresses as numbers
       const auto* const bytes = reinterpret_cast<const std::uint8_t*>(object->dlpi_addr + header.p_vaddr + at);
       ElfW(Nhdr) note{};
       std::memcpy(&note, bytes, sizeof(note));
