@@ -5,6 +5,7 @@
 
 #include <cstring>
 
+#include "firmware/daemon/crash_report.hpp"
 #include "firmware/daemon/log.hpp"
 #include "firmware/daemon/machine.hpp"
 #include "firmware/daemon/signals.hpp"
@@ -77,6 +78,10 @@ int run_daemon(DaemonOptions options) {
   }
   if (const Lack lack = lack_of_folders(options); lack.status != EX_OK) {
     return refuse(lack);
+  }
+  const CrashReporter crashes(options.folder, "odolessd " + options.version);
+  if (!crashes.previous().empty()) {
+    log_line(EventPriority::kWarning, fmt::format("the run before crashed: {} has the report", crashes.previous()));
   }
   const int memory_error = lock_memory();
   if (memory_error != 0 && refuse(options, "memory cannot be locked", memory_error)) {

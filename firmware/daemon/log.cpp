@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "firmware/daemon/crash_report.hpp"
+
 namespace odoless {
 namespace {
 
@@ -28,6 +30,7 @@ const char* name_of(EventPriority priority) {
 }  // namespace
 
 void log_line(EventPriority priority, std::string_view text) {
+  remember_log_line(text);
   static const bool to_journal = std::getenv("JOURNAL_STREAM") != nullptr;  // NOLINT(concurrency-mt-unsafe)
   if (to_journal) {
     fmt::print(stderr, "<{}>{}\n", static_cast<int>(priority), text);

@@ -13,14 +13,15 @@ namespace odoless {
 namespace {
 
 // Both: waiting and waking (ppoll, read, write on an eventfd; clock_nanosleep in a lossless replay), the CPU clock
-// (clock_gettime), page faults (getrusage), and the end of the thread. No futex: nobody's lock is waited for or handed
-// on.
-constexpr std::array<int, 7> kWorkerCalls{SYS_ppoll,         SYS_read,      SYS_write, SYS_clock_nanosleep,
-                                          SYS_clock_gettime, SYS_getrusage, SYS_exit};
+// (clock_gettime), page faults (getrusage), the end of the thread, and of a signal handler, which a crash has. No
+// futex: nobody's lock is waited for or handed on.
+constexpr std::array<int, 8> kWorkerCalls{SYS_ppoll,         SYS_read,      SYS_write, SYS_clock_nanosleep,
+                                          SYS_clock_gettime, SYS_getrusage, SYS_exit,  SYS_rt_sigreturn};
 
 // Besides: the laser's line (read, write; ioctl for its rate) or a socket (recvfrom, recvmsg).
-constexpr std::array<int, 10> kSensorCalls{SYS_ppoll,     SYS_read, SYS_write, SYS_clock_nanosleep, SYS_clock_gettime,
-                                           SYS_getrusage, SYS_exit, SYS_ioctl, SYS_recvfrom,        SYS_recvmsg};
+constexpr std::array<int, 11> kSensorCalls{SYS_ppoll,         SYS_read,      SYS_write,       SYS_clock_nanosleep,
+                                           SYS_clock_gettime, SYS_getrusage, SYS_exit,        SYS_ioctl,
+                                           SYS_recvfrom,      SYS_recvmsg,   SYS_rt_sigreturn};
 
 }  // namespace
 

@@ -8,8 +8,8 @@ namespace odoless {
 
 /// Blocks every signal that would end the process at its pleasure (SIGTERM, SIGINT, SIGQUIT, SIGUSR1, timers, limits,
 /// real-time signals), and SIGHUP, on this thread and those that it makes, so that `SignalReader` gets them; SIGPIPE is
-/// ignored. Left as they are: SIGKILL, SIGABRT and those of a crash, which end the process at once, and SIGSTOP and its
-/// kin. To be called while there is one thread.
+/// ignored. Left as they are: SIGKILL, SIGABRT and those of a crash (crash_report.hpp), which end the process at once,
+/// and SIGSTOP and its kin. To be called while there is one thread.
 void block_signals();
 
 /// What a signal asks for.

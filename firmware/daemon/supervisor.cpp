@@ -17,6 +17,7 @@
 #include "drivers/io/device_line.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
 #include "drivers/tilt/tilt_line.hpp"
+#include "firmware/daemon/crash_report.hpp"
 #include "firmware/daemon/log.hpp"
 #include "firmware/daemon/service_manager.hpp"
 #include "firmware/health/health_text.hpp"
@@ -202,8 +203,10 @@ bool Supervisor::watch() {
   follow_gpio();
   surroundings_.save_error = saver_.error();
   machine_.publisher().set_surroundings(surroundings_, now_ns);
+  const std::string state = state_sentence(machine_.publisher().health());
+  remember_state(state);
   if (silent_ns_ == 0) {
-    notify_service_manager(fmt::format("WATCHDOG=1\nSTATUS={}", state_sentence(machine_.publisher().health())));
+    notify_service_manager("WATCHDOG=1\nSTATUS=" + state);
   }
   if (silent_ns_ < options_.params.pipeline.watchdog_ns) {
     return true;

@@ -16,6 +16,10 @@ StageHealth health_of(const StageReport& stage) {
           .deadline_misses = stage.deadline_misses};
 }
 
+// Bad scans are a reason for no longer: after as many good ones, poses are as good as before. A process that was
+// stopped for a moment has some, torn or late, and must be OK within a second.
+constexpr std::int64_t kBadScanMemory_ns = 500'000'000;
+
 std::uint32_t when(bool holds, HealthReason reason) { return holds ? reason : 0U; }
 
 }  // namespace
@@ -54,7 +58,8 @@ std::uint32_t HealthMonitor::sensor_reasons(const SensorReport& sensor, const Su
   const bool was_expected = sensor.period_ns > 0 || now_ns - began_ns_ > params_.fault_after_ns;
   return when(silent && was_expected, kReasonNoScans) |
          when(!sensor.open && (surroundings.device_tried || sensor.last_scan_ns != 0), kReasonDeviceClosed) |
-         when(rejected_.update(sensor.source.rejected + sensor.source.late, now_ns, params_.deadline_memory_ns),
+         when(rejected_.update(sensor.source.rejected + sensor.source.late, now_ns,
+                               std::min(kBadScanMemory_ns, params_.deadline_memory_ns)),
               kReasonBadScans) |
          when(motions_refused_.update(sensor.source.motions_refused, now_ns, params_.deadline_memory_ns),
               kReasonBadMotions) |

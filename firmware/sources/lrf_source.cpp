@@ -54,7 +54,10 @@ void LrfSource::attach(GpioSignals& signals, std::optional<std::int64_t> sync_de
   }
 }
 
-std::int64_t LrfSource::next_deadline_ns() const { return is_open() ? session_->next_deadline_ns() : kNever_ns; }
+std::int64_t LrfSource::next_deadline_ns() const {
+  const std::int64_t session_ns = is_open() ? session_->next_deadline_ns() : kNever_ns;
+  return is_left_alone() ? std::min(session_ns, last_round_ns_ + kLeftAlone_ns) : session_ns;
+}
 
 void LrfSource::take_line(std::int64_t now_ns) {
   descriptor_ = line_.take();
@@ -107,13 +110,22 @@ bool LrfSource::read_all(const Clock& clock) {
       return false;
     }
     if (size_bytes < 0) {
+      count_empty_round(i == 0, clock.now_ns());
       return true;
     }
+    empty_rounds_ = 0;
     const std::span<const std::byte> bytes = std::span(buffer_).first(static_cast<std::size_t>(size_bytes));
     sink_->on_raw(RawLine::kLaser, bytes, false);
     session_->receive(bytes, clock.now_ns(), *this);
   }
   return true;
+}
+
+// A poll that returns at once, again and again, of a line that has nothing to read, would take all of the processor.
+void LrfSource::count_empty_round(bool is_empty, std::int64_t now_ns) {
+  const bool came_soon = now_ns - last_round_ns_ < 2 * kLeftAlone_ns;
+  empty_rounds_ = is_empty && came_soon ? std::min(empty_rounds_ + 1, kEmptyRounds) : 0;
+  last_round_ns_ = now_ns;
 }
 
 void LrfSource::set_rate() {

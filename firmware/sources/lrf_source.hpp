@@ -31,7 +31,7 @@ class LrfSource final : public ScanSource, private LrfSink {
   /// @param sync_delay_ns  From a pulse to the first beam; nothing: there are none.
   void attach(GpioSignals& signals, std::optional<std::int64_t> sync_delay_ns);
 
-  [[nodiscard]] int descriptor() const override { return descriptor_; }
+  [[nodiscard]] int descriptor() const override { return is_left_alone() ? -1 : descriptor_; }
   [[nodiscard]] std::int64_t next_deadline_ns() const override;
   void work(const Clock& clock, ScanSink& sink) override;
   [[nodiscard]] bool is_open() const override { return descriptor_ >= 0; }
@@ -44,6 +44,9 @@ class LrfSource final : public ScanSource, private LrfSink {
   void return_line();
   /// False when the line has ended; errno then says how, 0 as by the other side.
   [[nodiscard]] bool read_all(const Clock& clock);
+  void count_empty_round(bool is_empty, std::int64_t now_ns);
+  /// A line that says that it has bytes and gives none, for the time until it is asked again.
+  [[nodiscard]] bool is_left_alone() const { return is_open() && empty_rounds_ >= kEmptyRounds; }
   void set_rate();
   void write_all();
   /// Tells of an outage; each `kind` once.
@@ -51,6 +54,8 @@ class LrfSource final : public ScanSource, private LrfSink {
   [[nodiscard]] std::int64_t synchronized_ns(std::int64_t stamp_ns);
 
   static constexpr int kReadsPerRound = 16;
+  static constexpr int kEmptyRounds = 20;  ///< in a row: none that waits for time is so
+  static constexpr std::int64_t kLeftAlone_ns = 1'000'000;
   static constexpr std::int64_t kSyncMissing = 20;           ///< scans without a pulse that are told of
   static constexpr std::int64_t kReopen_ns = 2'000'000'000;  ///< without a scan: perhaps opening anew helps
   static constexpr std::size_t kKinds = 64;                  ///< more than Errc has
@@ -61,6 +66,8 @@ class LrfSource final : public ScanSource, private LrfSink {
   LineHandover& line_;
   int descriptor_ = -1;
   int baud_ = 0;
+  int empty_rounds_ = 0;  ///< that came at once after each other and read nothing
+  std::int64_t last_round_ns_ = 0;
   std::int64_t last_scan_or_open_ns_ = 0;
   bool is_lost_ = false;      ///< the session has said so since the line was opened or a scan came
   bool has_rate_ = false;     ///< of the line

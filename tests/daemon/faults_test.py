@@ -15,7 +15,8 @@ import time
 import unittest
 
 from support import DaemonCase, WORLD, program, run
-from host_watch import keep_promise  # found by support
+from fault_matrix import measured  # found by support
+from host_watch import keep_promise
 
 EX_USAGE, EX_DATAERR, EX_UNAVAILABLE, EX_SOFTWARE, EX_OSERR, EX_CANTCREAT = 64, 65, 69, 70, 71, 73
 EX_NOPERM, EX_CONFIG = 77, 78
@@ -223,17 +224,46 @@ class FaultsTest(DaemonCase):
         self.start_laser()
         for stage, signal_number in (("odo-matcher", None), ("odo-filter", signal.SIGTERM)):
             with self.subTest(stage):
+                begin = time.monotonic()
                 daemon = self.start_daemon()
                 self.wait_until_ok()
+                measured(35, "recover", time.monotonic() - begin, "s")
                 time.sleep(1)
                 held = self.hold_thread(daemon.pid, stage)
-                if signal_number is not None:
+                begin = time.monotonic()
+                if signal_number is None:
+                    self.assertTrue(any("hangs" in line for line in daemon.stderr))
+                    measured(35, "flag", time.monotonic() - begin, "s")
+                else:
                     daemon.send_signal(signal_number)
                 self.reap_thread(held)
-                self.assertIn("hangs" if signal_number is None else "does not end", self.expect_saved(daemon, EX_SOFTWARE))
+                said = self.expect_saved(daemon, EX_SOFTWARE)
+                self.assertTrue(signal_number is None or "does not end" in said, said)
                 self.assertTrue(os.path.getsize(self.path("out/latest/map.pgm")) > 0)
                 self.assertTrue(os.path.getsize(self.path("out/latest/trajectory.tum")) > 0)
                 os.remove(self.path("out/latest/map.pgm"))
+
+    def test_a_crash_leaves_a_report_and_the_next_start_says_where(self):
+        self.start_laser()
+        for number in (signal.SIGSEGV, signal.SIGABRT):
+            with self.subTest(number):
+                daemon = self.start_daemon("--world", self.path("w"), "--enforce-realtime")
+                self.wait_until_ok()
+                time.sleep(0.5)  # until the supervisor has seen that
+                daemon.send_signal(number)
+                self.assertEqual(daemon.wait(timeout=10), -number)
+                self.assertIn(f"crashed by {number.name}; a report is in {self.path('out/.crash')}\n", daemon.stderr.read())
+                daemon = self.start_daemon("--world", self.path("w"), "--enforce-realtime")
+                self.wait_until_ok()
+                daemon.send_signal(signal.SIGTERM)
+                report = self.expect_saved(daemon).split("the run before crashed: ")[1].split(" has the report")[0]
+                with open(report, encoding="utf-8") as file:
+                    said = file.read()
+                for words in (f"crashed by {number.name} that was sent", ", build ", "last log lines:\n", "streaming"):
+                    self.assertIn(words, said)
+                self.assertRegex(said, r"\nstate: (OK|DEGRADED)")
+                self.assertFalse(os.path.exists(self.path("out/.crash")))
+        self.assertEqual(run("odoless", "world", "check", self.path("w")).returncode, 0, "what was mapped is kept")
 
     def hold_thread(self, pid, name):
         """One thread of a process stands still, as in a call that never returns."""
@@ -260,4 +290,4 @@ class FaultsTest(DaemonCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)

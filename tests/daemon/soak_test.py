@@ -86,4 +86,4 @@ class RoundsTest(unittest.TestCase):
 
 if __name__ == "__main__":
     soak = load(os.path.join(sys.argv[2], "tools", "soak"))
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)

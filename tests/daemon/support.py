@@ -84,7 +84,18 @@ class DaemonCase(unittest.TestCase):
     def start_laser(self, *more):
         laser = self.start("odoless", "emulate", "lrf", "--from", WORLD, "--pty", self.path("laser"), *more)
         self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
+        self.addCleanup(self.forget, "laser")  # before it is ended
         return laser
+
+    def forget(self, name):
+        """Removes a device's name, as udev does. One that is left leads to whoever is given the same terminal next, which may be the
+        laser of another test on this machine: a daemon that waits for its own would open and lock that one."""
+        if os.path.lexists(self.path(name)):
+            os.remove(self.path(name))
+
+    def unplug(self, process, name):
+        self.forget(name)
+        process.kill()
 
     def start_daemon(self, *more, environment=None):
         return self.start("odolessd", "--config", self.config, "--out", self.path("out"), *more, environment=environment)
@@ -107,6 +118,7 @@ class DaemonCase(unittest.TestCase):
     def start_servo(self, *more):
         servo = self.start("odoless", "emulate", "servo", "--dynamixel", "--pty", self.path("servo"), *more)
         self.wait_until(lambda: os.path.lexists(self.path("servo")), 10)
+        self.addCleanup(self.forget, "servo")
         return servo
 
     def use_servo(self, more=""):

@@ -149,7 +149,7 @@ class PageTest(WebCase):
         self.shows(page, "document.body?.dataset.state === 'OK'")
         colour = "getComputedStyle(document.querySelector('header')).backgroundColor"
         self.assertNotEqual(page.value(colour), RED)
-        laser.kill()
+        self.unplug(laser, "laser")
         self.shows(page, f"{colour} === '{RED}'", 4)
         self.assertEqual(page.value("document.getElementById('state').textContent"), "FAULT")
         self.assertIn("no scans", page.value("document.getElementById('reasons').textContent"))

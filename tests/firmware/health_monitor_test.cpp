@@ -139,11 +139,14 @@ TEST_F(HealthMonitorTest, PosesThatMayComeLateAreToBeUsedWithCare) {
   expect(HealthState::kDegraded, kReasonNotRealTime);
 }
 
+constexpr std::int64_t kBadScans_ns = 500'000'000;  // a process that was stopped for a moment is soon as good as before
+
 /// A count, and the reason that it gives when it grows.
 struct Growing {
   const char* name;
   HealthReason reason;
   void (*grow)(SensorReport&, MatcherReport&, FilterReport&, Surroundings&);
+  std::int64_t memory_ns = HealthParams{}.deadline_memory_ns;
 
   friend void PrintTo(const Growing& growing, std::ostream* out) { *out << growing.name; }
 };
@@ -154,7 +157,7 @@ TEST_P(GrowingCount, IsAReasonForAWhileAndLatchedForEver) {
   expect(HealthState::kOk, 0);
   GetParam().grow(sensor_, matcher_, filter_, surroundings_);
   EXPECT_EQ(update().reasons, GetParam().reason);
-  now_ns_ += params_.deadline_memory_ns - 1;
+  now_ns_ += GetParam().memory_ns - 1;
   sensor_.last_scan_ns = now_ns_;
   EXPECT_EQ(update().reasons, GetParam().reason);
   now_ns_ += 1;
@@ -165,11 +168,12 @@ TEST_P(GrowingCount, IsAReasonForAWhileAndLatchedForEver) {
 INSTANTIATE_TEST_SUITE_P(
     Counts, GrowingCount,
     ::testing::Values(
-        Growing{"Rejected", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.rejected; }},
+        Growing{"Rejected", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.rejected; },
+                kBadScans_ns},
         Growing{"Motions", kReasonBadMotions,
                 [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.motions_refused; }},
         Growing{"Servo", kReasonBadTilt, [](auto& sensor, auto&, auto&, auto&) { ++sensor.tilt.refused; }},
-        Growing{"Late", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.late; }},
+        Growing{"Late", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.late; }, kBadScans_ns},
         Growing{"Dropped", kReasonOverload, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.dropped; }},
         Growing{"Cut", kReasonOverload, [](auto&, auto&, auto& filter, auto&) { ++filter.updates_cut; }},
         Growing{"Records", kReasonOverload, [](auto&, auto&, auto&, auto& around) { ++around.records_dropped; }},

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "rt/heap_guard.hpp"
+#include "tests/support/fault_matrix.hpp"
 #include "tests/tools/sim_support.hpp"
 #include "tools/sim/world_file.hpp"
 
@@ -37,6 +38,8 @@ struct Tally {
   int noticed = 0;
   int wrong_finds = 0;  ///< the search itself put the robot where it was not
   double slice_us_max = 0.0;
+  double lost_after_s_max = 0.0;  ///< of those that were lost before they were found
+  double found_after_s_max = 0.0;
 
   void add(const Kidnapping& run) {
     ++runs;
@@ -46,6 +49,8 @@ struct Tally {
     noticed += run.lost_scans > 0 ? 1 : 0;
     wrong_finds += run.wrong_claimed_s > 1.0 ? 1 : 0;
     slice_us_max = std::max(slice_us_max, run.slice_us_max);
+    lost_after_s_max = std::max(lost_after_s_max, std::min(run.lost_after_s, run.found_after_s));
+    found_after_s_max = std::max(found_after_s_max, run.found_after_s);
   }
 };
 
@@ -83,6 +88,8 @@ Tally kidnap(const World& world) {
 
 TEST(Kidnapped, KnowsItWithinTwoSecondsAndFindsItselfWithinTen) {
   const Tally tally = kidnap(read_world(test::example_world("rooms.world")));
+  test::measured(25, "flag", tally.lost_after_s_max, "s");
+  test::measured(25, "recover", tally.found_after_s_max, "s");
   EXPECT_EQ(tally.said_soon, tally.runs);
   EXPECT_GE(tally.found_soon, 0.95 * tally.runs);
   EXPECT_EQ(tally.lies, 0);
