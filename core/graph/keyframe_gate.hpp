@@ -19,19 +19,22 @@ class KeyframeGate {
 
   /// Every motion, with or without its scan. @return  Whether a scan that it ends at should be a keyframe.
   [[nodiscard]] bool add(const Motion& motion);
+  /// The filter has found the robot, or was told where it is: the next scan is wanted, however near.
+  void note_found() { is_found_ = true; }
   /// Of the scan that the last motion ended at.
   [[nodiscard]] int beams(const ScanFrame& scan) const {
     return keyframe_beams(scan.size(), params_.keyframe_beams_max);
   }
   void encode(const ScanFrame& scan, const Pose2& map_T_odom, Keyframe& keyframe, std::span<BeamCode> codes) const;
   /// That keyframe has been handed on. Without this the next scan is asked for, and nothing of the motion is lost.
-  void accept() { since_last_ = OdometryStretch{}, has_begun_ = true; }
+  void accept() { since_last_ = OdometryStretch{}, has_begun_ = true, is_found_ = false; }
 
  private:
   GraphParams params_;
   OdometryStretch since_last_;
   Pose2 odom_T_scan_{};
   bool has_begun_ = false;
+  bool is_found_ = false;
 };
 
 }  // namespace odoless

@@ -15,9 +15,9 @@ bool SubmapBuilder::is_full() const {
          (slip_m_ > params_.submap_slip_m && begun_.size() >= kSlipping_min);
 }
 
-bool SubmapBuilder::add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store) {
+bool SubmapBuilder::add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store, bool ends) {
   const OdometryStretch& step = keyframe.since_last;
-  const bool has_ended = (step.is_torn() || is_full()) && finish(store);
+  const bool has_ended = (step.is_torn() || ends || is_full()) && finish(store);
   since_stored_ = since_stored_.then(step);
   travel_m_ += step.distance_m;
   slip_m_ += std::hypot(step.slip_m.x_m, step.slip_m.y_m);
@@ -34,7 +34,11 @@ bool SubmapBuilder::finish(KeyframeStore& store) {
   }
   const std::size_t middle = begun_.size() / 2;
   const Keyframe& origin = store[begun_[middle].index];
-  finished_ = {begun_.front().index, static_cast<int>(begun_.size()), origin.odom_T_scan, origin.stamp_ns};
+  finished_ = {.first_keyframe = begun_.front().index,
+               .keyframes = static_cast<int>(begun_.size()),
+               .odom_T_submap = origin.odom_T_scan,
+               .local_T_submap = origin.map_T_odom * origin.odom_T_scan,
+               .origin_stamp_ns = origin.stamp_ns};
   odometry_ = has_origin_ ? since_origin_ : OdometryStretch{};
   since_origin_ = {};
   for (std::size_t i = 0; i < begun_.size(); ++i) {

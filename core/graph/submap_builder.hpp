@@ -13,7 +13,10 @@ struct Submap {
   int first_keyframe = 0;
   int keyframes = 0;
   Pose2 odom_T_submap{};
+  Pose2 local_T_submap{};  ///< as the particle filter had it in its own map
   std::int64_t origin_stamp_ns = 0;
+
+  [[nodiscard]] int end_keyframe() const { return first_keyframe + keyframes; }
 };
 
 /// Cuts the stream of keyframes into submaps: one ends after a few metres, where the odometry may have slipped by too
@@ -26,10 +29,13 @@ class SubmapBuilder {
 
   /// Every keyframe. While the store is full its motion alone is noted.
   /// @return  Whether a submap has ended: `finished` says which.
-  bool add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store);
+  /// @param ends  The submap that has begun ends before this keyframe in any case.
+  bool add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store, bool ends = false);
   /// Ends the submap that has begun. @return  Whether there was one.
   bool finish(KeyframeStore& store);
 
+  /// Whether the submap that has begun lies behind a motion that is not credible.
+  [[nodiscard]] bool is_behind_a_tear() const { return !begun_.empty() && begun_.front().since_last.is_torn(); }
   [[nodiscard]] const Submap& finished() const { return finished_; }
   /// From the origin of the submap before to the finished one's; default for the first one.
   [[nodiscard]] const OdometryStretch& odometry() const { return odometry_; }

@@ -30,6 +30,9 @@ constexpr double kScore_min = 0.25;
 constexpr double kCoverage_min = 0.45;
 constexpr double kAgreement_min = 0.85;
 constexpr double kGate_chi2 = 16.0;
+constexpr double kJump_m = 0.5;  // of the filter's pose against the odometry, from one keyframe to the next
+constexpr double kJump_rad = 0.1;
+constexpr double kJump_s = 1.0;          // that the motion is unknown for then
 constexpr double kUnmistakable_m = 1.0;  // three deviations within which no other place can be meant
 constexpr double kTakenOut_weight = 0.2;
 constexpr int kIterations = 25;
@@ -38,6 +41,10 @@ constexpr int kIterations_again = 15;
 double largest_sd(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
   return std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
+}
+
+bool is_same_place(const Pose2& a, const Pose2& b) {
+  return a.distance_m(b) < kJump_m && std::abs(wrap_angle(a.yaw_rad - b.yaw_rad)) < kJump_rad;
 }
 
 }  // namespace
@@ -56,12 +63,40 @@ SubmapGraph::SubmapGraph(const GraphParams& params, const RobotLimits& limits, c
 }
 
 bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
-  if (!graph_.full() && graph_.has_room(1) && builder_.add(keyframe, codes, store_)) {
+  const bool jumped = has_jumped(keyframe);
+  local_T_odom_ = keyframe.map_T_odom;
+  if (!graph_.full() && graph_.has_room(1) && builder_.add(keyframe, codes, store_, jumped)) {
     add_submap();
+  }
+  if (jumped) {
+    take_claim(keyframe);
+  }
+  if (claim_ && !builder_.is_behind_a_tear() &&
+      is_same_place(map_T_odom() * keyframe.odom_T_scan, graph_T_odom() * keyframe.odom_T_scan)) {
+    claim_.reset();  // the graph knows
   }
   return phase_ != Phase::kIdle;
 }
 
+bool SubmapGraph::has_jumped(const Keyframe& keyframe) const {
+  return !is_same_place(local_T_odom_.value_or(keyframe.map_T_odom) * keyframe.odom_T_scan,
+                        keyframe.map_T_odom * keyframe.odom_T_scan);
+}
+
+// By the submap that is nearest in the filter's map; the newest ones are where the filter had them before the jump.
+void SubmapGraph::take_claim(const Keyframe& keyframe) {
+  const Pose2 local_T_scan = keyframe.map_T_odom * keyframe.odom_T_scan;
+  const auto distance_m = [&](const Submap& submap) { return submap.local_T_submap.distance_m(local_T_scan); };
+  const auto older = std::span(submaps_).first(static_cast<std::size_t>(std::max(0, graph_.size() - kNeighbours)));
+  const auto nearest = std::min_element(
+      older.begin(), older.end(), [&](const Submap& a, const Submap& b) { return distance_m(a) < distance_m(b); });
+  if (!submaps_.empty()) {
+    const bool is_known = nearest != older.end() && distance_m(*nearest) < kReach_m;
+    claim_ = is_known ? static_cast<int>(nearest - older.begin()) : graph_.size() - 1;
+  }
+}
+
+// The filter weighs the hypotheses of a motion that is not credible: there its word counts.
 void SubmapGraph::add_submap() {
   while (work()) {
   }
@@ -71,16 +106,17 @@ void SubmapGraph::add_submap() {
   } else {
     const int last = graph_.size() - 1;
     const OdometryStretch& odometry = builder_.odometry();
-    const int node = graph_.add_node(graph_.pose(last) * odometry.start_T_end);
-    graph_.add({.from = last,
-                .to = node,
-                .from_T_to = odometry.start_T_end,
-                .covariance = odometry.constraint_covariance(limits_)});
+    const Pose2 last_T_submap =
+        odometry.is_torn() ? submaps_.back().local_T_submap.inverse() * submap.local_T_submap : odometry.start_T_end;
+    const int node = graph_.add_node(graph_.pose(last) * last_T_submap);
+    graph_.add(
+        {.from = last, .to = node, .from_T_to = last_T_submap, .covariance = odometry.constraint_covariance(limits_)});
     matcher_.forget(last);
     matcher_.forget(last - 1);
   }
   submaps_.push_back(submap);
   attempts_.emplace_back();
+  ++revision_;
   begin_work(graph_.size() - 2);  // the newest one waits for the next, which completes its neighbourhood
 }
 
@@ -178,10 +214,7 @@ void SubmapGraph::try_next() {
     return;
   }
   const Candidate& candidate = candidates_[next_candidate_++];
-  if (query_ != candidate.query) {
-    matcher_.set_query(world(), candidate.query);
-    query_ = candidate.query;
-  }
+  matcher_.set_query(world(), candidate.query);
   note_attempt(candidate.query, candidate);
   const Pose2 predicted = graph_.between(candidate.reference, candidate.query);
   SubmapSearch where{.centre = predicted, .half_m = kDeviations * candidate.sd_m + kSlack_m};
@@ -248,6 +281,7 @@ void SubmapGraph::solve() {
     counts_.solve_chi2 = solver_.solve(graph_, kIterations_again).chi2;
   }
   has_accepted_ = false;
+  ++revision_;
   phase_ = Phase::kIdle;
 }
 
@@ -261,6 +295,7 @@ void SubmapGraph::finish() {
   while (work()) {
   }
   static_cast<void>(solver_.solve(graph_, kIterations));
+  ++revision_;
 }
 
 double SubmapGraph::used() const {
@@ -270,9 +305,18 @@ double SubmapGraph::used() const {
                    share(static_cast<std::size_t>(store_.size()), params_.keyframes_max)});
 }
 
-Pose2 SubmapGraph::map_T_odom() const {
-  return submaps_.empty() ? (store_.size() > 0 ? store_[0].map_T_odom : Pose2{})
-                          : graph_.poses().back() * submaps_.back().odom_T_submap.inverse();
+Pose2 SubmapGraph::map_T_local(int submap) const {
+  return graph_.pose(submap) * submaps_[static_cast<std::size_t>(submap)].local_T_submap.inverse();
+}
+
+Pose2 SubmapGraph::map_T_odom() const { return claim_ ? map_T_local(*claim_) * *local_T_odom_ : graph_T_odom(); }
+
+Pose2 SubmapGraph::graph_T_odom() const {
+  if (submaps_.empty()) {
+    return store_.size() > 0 ? store_[0].map_T_odom : Pose2{};
+  }
+  return builder_.is_behind_a_tear() ? map_T_local(graph_.size() - 1) * *local_T_odom_
+                                     : graph_.poses().back() * submaps_.back().odom_T_submap.inverse();
 }
 
 std::vector<StampedPose> SubmapGraph::corrected(std::span<const StampedPose> odom) const {

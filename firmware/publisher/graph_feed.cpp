@@ -3,7 +3,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -17,6 +19,15 @@ namespace {
 constexpr int kNice = 10;
 constexpr std::int64_t kRest = 3;  // times the CPU time of a step
 
+/// A covariance over (x_m, y_m, yaw_rad), row by row, in axes turned by that.
+std::array<double, 9> turned(const std::array<double, 9>& covariance, double yaw_rad) {
+  using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  std::array<double, 9> out{};
+  Eigen::Map<Rows>(out.data()) = turn * Eigen::Map<const Rows>(covariance.data()) * turn.transpose();
+  return out;
+}
+
 }  // namespace
 
 GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossless)
@@ -24,7 +35,9 @@ GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossles
       seed_(seed),
       lossless_(lossless),
       jobs_(kJobs),
+      tiles_told_(kTiles),
       thread_({.name = "odo-graph", .stack_bytes = kStack_bytes}) {
+  places_.reserve(static_cast<std::size_t>(params.graph.submaps_max));
   begin_anew();
   // Memory that was used once stays with the process (MemoryLock): what a step takes for a while is there already.
   std::vector<std::byte> scratch(kScratch_bytes);
@@ -64,23 +77,27 @@ void GraphFeed::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
   job.keyframe.since_last = std::exchange(since_left_out_, {}).then(keyframe.since_last);
   job.codes.assign(codes.begin(), codes.end());
   ++pushed_;
-  lock.unlock();
   changed_.notify_all();
+  if (lossless_ && thread_.started()) {
+    changed_.wait(lock, [this] { return waiting() == 0 && !is_busy_; });
+  }
 }
 
 void GraphFeed::run() {
   static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice));
   bool has_work = false;
+  bool has_drawing = false;
   while (true) {
     {
       std::unique_lock lock(queue_mutex_);
       is_busy_ = has_work;
       changed_.notify_all();
-      changed_.wait(lock, [&] { return has_work || waiting() > 0 || is_ending_; });
+      changed_.wait(lock, [&] {
+        return has_work || has_drawing || waiting() > 0 || (has_untold_ && has_room_for_tile()) || is_ending_;
+      });
       if (is_ending_) {
         return;
       }
-      is_busy_ = true;
     }
     const std::int64_t start_ns = thread_cpu_ns();
     has_work = take() || has_work;
@@ -88,11 +105,78 @@ void GraphFeed::run() {
       const std::lock_guard lock(graph_mutex_);
       has_work = graph_->work();
       report();
+      has_drawing = draw();
     }
     if (!lossless_ && !is_hurried_) {
       sleep_ns(kRest * (thread_cpu_ns() - start_ns));
     }
   }
+}
+
+bool GraphFeed::draw() {
+  if (drawn_revision_ != graph_->revision() || drawn_keyframes_ != graph_->keyframes().size()) {
+    drawn_revision_ = graph_->revision();
+    drawn_keyframes_ = graph_->keyframes().size();
+    tiles_->update(graph_->world());
+  }
+  const bool has_more = tiles_->work(graph_->world());
+  has_untold_ = !hand_on();
+  return has_more;
+}
+
+bool GraphFeed::hand_on() {
+  while (true) {
+    std::unique_lock lock(queue_mutex_);
+    if (!has_room_for_tile()) {
+      return false;
+    }
+    lock.unlock();
+    Tile& tile = tiles_told_[tiles_pushed_ % kTiles];  // nobody reads it before it is counted
+    const auto index = tiles_->tell(tile.cells);
+    if (!index) {
+      return true;
+    }
+    tile.record = {.stamp_ns = graph_->keyframes()[graph_->keyframes().size() - 1].stamp_ns,
+                   .column = index->column,
+                   .row = index->row,
+                   .size_cells = WorldTiles::kSide_cells,
+                   .cell_size_m = params_.slam.low.grid.resolution_m};
+    lock.lock();
+    ++tiles_pushed_;
+  }
+}
+
+bool GraphFeed::next_tile(MapTileRecord& tile, std::span<std::uint8_t> cells) {
+  const std::lock_guard lock(queue_mutex_);
+  if (tiles_pushed_ == tiles_taken_) {
+    return false;
+  }
+  const Tile& next = tiles_told_[tiles_taken_ % kTiles];
+  tile = next.record;
+  std::copy(next.cells.begin(), next.cells.end(), cells.begin());
+  ++tiles_taken_;
+  changed_.notify_all();
+  return true;
+}
+
+void GraphFeed::place(PoseRecord& pose) const {
+  const std::lock_guard lock(queue_mutex_);
+  if (pose.map_number != placed_number_) {
+    return;  // its first keyframe is not here yet: the map begins where the filter has it
+  }
+  const Pose2& map_T_odom = health_.map_T_odom;
+  const double turn_rad = map_T_odom.yaw_rad - pose.map_T_odom.yaw_rad;
+  pose.map_T_odom = map_T_odom;
+  pose.map_T_scan = map_T_odom * pose.odom_T_scan;
+  pose.covariance = turned(pose.covariance, turn_rad);
+}
+
+Pose2 GraphFeed::to_local(const Pose2& map_T_scan) const {
+  const std::lock_guard lock(queue_mutex_);
+  const auto nearest = std::min_element(places_.begin(), places_.end(), [&](const Place& a, const Place& b) {
+    return a.map_T_submap.distance_m(map_T_scan) < b.map_T_submap.distance_m(map_T_scan);
+  });
+  return nearest == places_.end() ? map_T_scan : nearest->local_T_submap * nearest->map_T_submap.inverse() * map_T_scan;
 }
 
 bool GraphFeed::take() {
@@ -102,6 +186,7 @@ bool GraphFeed::take() {
     if (waiting() == 0) {
       break;
     }
+    is_busy_ = true;
     const Job& job = jobs_[taken_ % kJobs];  // nobody writes it while it waits
     lock.unlock();
     {
@@ -121,7 +206,14 @@ bool GraphFeed::take() {
   return has_work;
 }
 
-void GraphFeed::begin_anew() { graph_.emplace(params_.graph, params_.limits, params_.scan, seed_); }
+void GraphFeed::begin_anew() {
+  const double resolution_m = params_.slam.low.grid.resolution_m;
+  graph_.emplace(params_.graph, params_.limits, params_.scan, seed_);
+  tiles_.emplace(params_.slam.low.beam, params_.scan, resolution_m, params_.graph.keyframes_max);
+  drawn_revision_ = placed_revision_ = drawn_keyframes_ = 0;
+  const std::lock_guard lock(queue_mutex_);
+  places_.clear();
+}
 
 void GraphFeed::report() {
   const SubmapGraph::Counts& counts = graph_->counts();
@@ -131,6 +223,14 @@ void GraphFeed::report() {
              .used = graph_->used(),
              .keyframes_left_out = left_out_,
              .map_T_odom = graph_->map_T_odom()};
+  placed_number_ = map_number_;
+  if (placed_revision_ != graph_->revision()) {
+    placed_revision_ = graph_->revision();
+    places_.clear();
+    for (std::size_t i = 0; i < graph_->submaps().size(); ++i) {
+      places_.push_back({graph_->graph().pose(static_cast<int>(i)), graph_->submaps()[i].local_T_submap});
+    }
+  }
 }
 
 GraphHealth GraphFeed::health() const {

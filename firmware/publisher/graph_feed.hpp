@@ -11,8 +11,10 @@
 #include "config/robot_params.hpp"
 #include "core/graph/submap_graph.hpp"
 #include "core/graph/trajectory_correction.hpp"
+#include "core/graph/world_tiles.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "firmware/records/health.hpp"
+#include "firmware/records/records.hpp"
 #include "rt/real_time_thread.hpp"
 
 namespace odoless {
@@ -34,8 +36,16 @@ class GraphFeed {
   GraphFeed(const GraphFeed&) = delete;
   GraphFeed& operator=(const GraphFeed&) = delete;
 
-  /// Another map number than before begins anew.
+  /// Another map number than before begins anew. In a lossless replay it waits until all that comes of it is done, so
+  /// that corrections go in at the same scans however fast the machine is.
   void add(const Keyframe& keyframe, std::span<const BeamCode> codes);
+
+  /// Where the world has what the filter has in its own map: the same pose in the map frame.
+  void place(PoseRecord& pose) const;
+  /// A pose of the world in the filter's own map, by the submap that is nearest to it.
+  [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const;
+  /// A tile of the map that has changed: written to `cells`, WorldTiles::Occupancy of them. @return  Whether there was.
+  [[nodiscard]] bool next_tile(MapTileRecord& tile, std::span<std::uint8_t> cells);
 
   /// What it has come to.
   [[nodiscard]] GraphHealth health() const;
@@ -49,12 +59,27 @@ class GraphFeed {
     Keyframe keyframe;
     std::vector<BeamCode> codes;
   };
+  struct Tile {
+    MapTileRecord record;
+    WorldTiles::Occupancy cells;
+  };
+  /// A submap in the world and in the filter's own map.
+  struct Place {
+    Pose2 map_T_submap{};
+    Pose2 local_T_submap{};
+  };
   static constexpr std::size_t kJobs = 128;
+  static constexpr std::size_t kTiles = 32;
 
   void run();
   /// Takes over what waits. @return  Whether there was something.
   bool take();
   void begin_anew();
+  /// Draws a little, and hands on what is drawn. @return  Whether there is more to draw; what is drawn waits for room.
+  bool draw();
+  /// @return  Whether all that is drawn is handed on; else there is no room.
+  bool hand_on();
+  [[nodiscard]] bool has_room_for_tile() const { return tiles_pushed_ - tiles_taken_ < kTiles; }
   /// For `health`; whoever holds graph_mutex_.
   void report();
   [[nodiscard]] std::size_t waiting() const { return pushed_ - taken_; }
@@ -70,11 +95,21 @@ class GraphFeed {
   std::int64_t left_out_ = 0;
   OdometryStretch since_left_out_;  ///< of keyframes left out, to go with the next
   bool is_busy_ = false;
+  bool has_untold_ = false;
   bool is_ending_ = false;
   std::atomic<bool> is_hurried_{false};  ///< somebody waits for the end
   GraphHealth health_;
+  int placed_number_ = -1;  ///< of the map that `health_` and `places_` are of
+  std::vector<Place> places_;
+  std::vector<Tile> tiles_told_;  ///< a ring
+  std::size_t tiles_pushed_ = 0;
+  std::size_t tiles_taken_ = 0;
   mutable std::mutex graph_mutex_;
   std::optional<SubmapGraph> graph_;  ///< always there; begun anew with another map
+  std::optional<WorldTiles> tiles_;   ///< likewise
+  std::int64_t drawn_revision_ = 0;
+  std::int64_t placed_revision_ = 0;
+  int drawn_keyframes_ = 0;
   int map_number_ = 0;
   RealTimeThread thread_;
 };

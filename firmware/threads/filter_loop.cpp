@@ -65,6 +65,9 @@ void FilterLoop::process(const MotionMessage& message) {
 }
 
 void FilterLoop::tell_keyframe(const MotionMessage& message, const FilterStep& step) {
+  if (keyframes_ && step.found) {
+    keyframes_->note_found();
+  }
   if (keyframes_ && keyframes_->add(message.motion) && message.slot != kNoSlot && !stage_.paused()) {
     keyframes_->send(pipeline_, pipeline_.pool.at(message.slot), step.map_T_odom, map_number_);
   }
@@ -76,6 +79,9 @@ void FilterLoop::obey(const FilterCommand& command) {
       ++map_number_;
       return stage_.reset(command.map_T_scan);
     case FilterCommand::Kind::kSetPose:
+      if (keyframes_) {
+        keyframes_->note_found();
+      }
       return stage_.set_pose(command.map_T_scan);
     case FilterCommand::Kind::kPause:
     case FilterCommand::Kind::kResume:
@@ -108,7 +114,9 @@ void FilterLoop::publish(const FilterStep& step, const Motion& motion) {
   record.odom_T_scan = motion.odom_T_current;
   record.map_number = map_number_;
   send(pipeline_, pipeline_.filter.outbox, RecordType::kPose, record);
-  tiles_.send(pipeline_.filter.outbox, step, record.stamp_ns, motion.to_stamp_ns - motion.from_stamp_ns);
+  if (!keyframes_) {  // else the map is made of those
+    tiles_.send(pipeline_.filter.outbox, step, record.stamp_ns, motion.to_stamp_ns - motion.from_stamp_ns);
+  }
   if (tells_path_ && step.updated) {
     path_.send(pipeline_.filter.outbox, stage_.filter(), record.stamp_ns);
   }
