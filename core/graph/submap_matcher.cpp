@@ -179,7 +179,7 @@ SubmapMatch SubmapMatcher::match(const SubmapWorld& world, int reference, const 
   const MotionPrior prior{where.centre, 0.0, 0.0, 0.0};
   const SearchGround ground{in.coarse(), in.fine(), in.orientations(), prior, in.exact_ndt()};
   search_.set_params(search_params(where));
-  Peaks peaks = search_.run(ground, query_, {}, rng).peaks;
+  Peaks peaks = search_.run(ground, query_, rng).peaks;
   const auto top_of = [&] { return refine(in.exact_ndt(), query_.points, to_pose(peaks.best().point), kRefine_steps); };
   Refined top = top_of();
   Eigen::Matrix3d covariance = peak_covariance(top.derivatives, query_.points.size());

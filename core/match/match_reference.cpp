@@ -29,47 +29,111 @@ MatchReference::MatchReference(const ReferenceParams& params, int points_max)
 }
 
 Errc MatchReference::rebuild(std::span<const PlacedScan> scans) {
+  begin_rebuild(scans);
+  while (!rebuild_slice()) {
+  }
+  return empty() ? Errc::kTooFewReturns : Errc::kOk;
+}
+
+void MatchReference::begin_rebuild(std::span<const PlacedScan> scans) {
   points_.clear();
   thinned_.clear();
   orientations_.clear();
-  wide_ready_ = false;
-  std::size_t fitting = 0;
-  for (const PlacedScan& placed : scans) {
-    if (points_.size() + placed.scan->returns() > points_.capacity()) {
-      break;  // the newest come first: what does not fit is the oldest
-    }
-    append_thinned(*placed.scan, placed.reference_T_scan, 0.0, points_);
-    append_thinned(*placed.scan, placed.reference_T_scan, params_.thinning_m, thinned_);
-    orientations_.add(*placed.scan, placed.reference_T_scan.yaw_rad, params_.thinning_m);
-    ++fitting;
+  wide_ready_ = wide_ndt_ready_ = false;
+  wide_ndt_.begin_rebuild();
+  wide_.begin_paint();
+  scans_ = scans;
+  fitting_ = free_ = 0;
+  stage_ = Stage::kScans;
+}
+
+bool MatchReference::rebuild_slice() {
+  if (stage_slice()) {
+    go_on();
   }
+  return stage_ == Stage::kDone;
+}
+
+bool MatchReference::stage_slice() {
+  switch (stage_) {
+    case Stage::kScans:
+      return add_scan();
+    case Stage::kExactNdt:
+      return exact_ndt_.rebuild_slice(points_, kSlice);
+    case Stage::kNdt:
+      return ndt_.rebuild_slice(thinned_, kSlice);
+    case Stage::kCoarse:
+      return coarse_.paint_slice(ndt_, kSlice_px);
+    case Stage::kFine:
+      return fine_.paint_slice(ndt_, kSlice_px);
+    case Stage::kFree:
+      return mark_scan_free();
+    case Stage::kDone:
+      return false;
+  }
+  ODOLESS_CHECK(false);
+}
+
+void MatchReference::go_on() {
+  stage_ = static_cast<Stage>(static_cast<int>(stage_) + 1);
+  if (stage_ == Stage::kExactNdt) {
+    begin_grids();
+  } else if (stage_ == Stage::kFree && params_.free_penalty == 0.0) {
+    stage_ = Stage::kDone;
+  }
+}
+
+// The newest come first: what does not fit is the oldest.
+bool MatchReference::add_scan() {
+  if (fitting_ < scans_.size() && points_.size() + scans_[fitting_].scan->returns() <= points_.capacity()) {
+    const auto& [scan, reference_T_scan] = scans_[fitting_++];
+    append_thinned(*scan, reference_T_scan, 0.0, points_);
+    append_thinned(*scan, reference_T_scan, params_.thinning_m, thinned_);
+    orientations_.add(*scan, reference_T_scan.yaw_rad, params_.thinning_m);
+    return false;
+  }
+  return true;
+}
+
+void MatchReference::begin_grids() {
   if (points_.size() < kReturns_min) {
     points_.clear();
-    return Errc::kTooFewReturns;
+    stage_ = Stage::kDone;
+    return;
   }
   orientations_.smooth();
-  exact_ndt_.rebuild(points_);
-  ndt_.rebuild(thinned_);
-  coarse_.paint(ndt_);
-  fine_.paint(ndt_);
-  if (params_.free_penalty > 0.0) {
-    for (std::size_t i = 0; i < fitting; i += static_cast<std::size_t>(params_.free_every)) {
-      fine_.mark_free(*scans[i].scan, scans[i].reference_T_scan, params_.free_margin_m, params_.free_penalty);
+  exact_ndt_.begin_rebuild();
+  ndt_.begin_rebuild();
+  coarse_.begin_paint();
+  fine_.begin_paint();
+}
+
+bool MatchReference::mark_scan_free() {
+  if (free_ < fitting_) {
+    const auto& [scan, reference_T_scan] = scans_[free_];
+    fine_.mark_free(*scan, reference_T_scan, params_.free_margin_m, params_.free_penalty);
+    free_ += static_cast<std::size_t>(params_.free_every);
+  }
+  return free_ >= fitting_;
+}
+
+bool MatchReference::prepare_wide(const Deadline& deadline) {
+  while (params_.wide_cell_size_m > 0.0 && !wide_ready_) {
+    if (deadline.expired()) {
+      return false;
+    }
+    if (!wide_ndt_ready_) {
+      wide_ndt_ready_ = wide_ndt_.rebuild_slice(thinned_, kSlice);
+    } else {
+      wide_ready_ = wide_.paint_slice(wide_ndt_, kSlice_px);
     }
   }
-  return Errc::kOk;
+  return true;
 }
 
 const ScoreRaster& MatchReference::wide() {
-  if (params_.wide_cell_size_m == 0.0) {
-    return coarse_;
-  }
-  if (!wide_ready_) {
-    wide_ndt_.rebuild(thinned_);
-    wide_.paint(wide_ndt_);
-    wide_ready_ = true;
-  }
-  return wide_;
+  static_cast<void>(prepare_wide({}));
+  return params_.wide_cell_size_m > 0.0 ? wide_ : coarse_;
 }
 
 }  // namespace odoless

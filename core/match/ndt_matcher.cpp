@@ -71,40 +71,38 @@ Result<MatchResult> NdtMatcher::match(MatchReference& reference, const ScanFrame
   MatchResult result;
   const MotionPrior prior{expected.reference_T_scan, expected.sd_m, expected.sd_rad, params_.prior_weight};
   result.escalated = expected.is_wide;
-  SearchOutcome outcome = search(reference, prior, deadline, rng, result);
-  const SearchGround ground{reference.coarse(), reference.fine(), reference.orientations(), prior,
-                            reference.exact_ndt()};
+  const SearchGround ground{reference.coarse(),    reference.fine(), reference.orientations(), prior,
+                            reference.exact_ndt(), deadline};
+  SearchOutcome outcome = search(ground, reference, rng, result);
   if (expected.is_wide) {
     const SearchPoint rest = to_search_point(expected.rest_T_scan);
     outcome.peaks.offer(PoseSearch::climb(ground, scan_.points, rest, kRest_steps, outcome.evaluations));
   }
-  climb(reference, outcome, result);
+  climb(ground, outcome, result);
   const double before = outcome.peaks.best().score;
   probe(ground, outcome, result.weak_direction);
   if (outcome.peaks.best().score > before) {
-    climb(reference, outcome, result);
+    climb(ground, outcome, result);
   }
   result.score = outcome.peaks.best().score;
   result.evaluations += outcome.evaluations;
-  result.stop = outcome.stop;
+  result.stop = deadline.expired() ? StopReason::kDeadline : outcome.stop;
   weigh(outcome.peaks, result);
   result.converged = !is_poor(outcome) && result.second_peak_ratio() <= params_.second_peak_ratio_max;
   return result;
 }
 
-SearchOutcome NdtMatcher::search(MatchReference& reference, const MotionPrior& prior, const Deadline& deadline,
-                                 Rng& rng, MatchResult& result) {
-  const SearchGround ground{reference.coarse(), reference.fine(), reference.orientations(), prior,
-                            reference.exact_ndt()};
-  SearchOutcome first = search_.run(ground, scan_, deadline, rng);
+SearchOutcome NdtMatcher::search(const SearchGround& ground, MatchReference& reference, Rng& rng, MatchResult& result) {
+  SearchOutcome first = search_.run(ground, scan_, rng);
   // What has climbed out of the box is one of the answers out there, and not the best of them for sure.
   const bool is_enough = !result.escalated && !is_poor(first) && search_.box().holds(first.peaks.best().point);
-  if (is_enough || first.stop == StopReason::kDeadline) {
+  if (is_enough || ground.deadline.expired() || !reference.prepare_wide(ground.deadline)) {
     return first;
   }
   result.escalated = true;
-  const SearchGround wide{reference.wide(), reference.fine(), reference.orientations(), prior, reference.exact_ndt()};
-  SearchOutcome again = retry_.run(wide, scan_, deadline, rng);
+  const SearchGround wide{reference.wide(), ground.fine,      ground.reference_orientations,
+                          ground.prior,     ground.exact_ndt, ground.deadline};
+  SearchOutcome again = retry_.run(wide, scan_, rng);
   again.evaluations += first.evaluations;
   for (const ScoredPoint& peak : first.peaks.all()) {
     again.peaks.offer(peak);
@@ -113,7 +111,7 @@ SearchOutcome NdtMatcher::search(MatchReference& reference, const MotionPrior& p
 }
 
 void NdtMatcher::probe(const SearchGround& ground, SearchOutcome& outcome, Point2 direction) const {
-  if (params_.search.probe_m == 0.0) {
+  if (params_.search.probe_m == 0.0 || ground.deadline.expired()) {
     return;
   }
   const SearchPoint best = outcome.peaks.best().point;
@@ -140,9 +138,9 @@ void NdtMatcher::weigh(const Peaks& peaks, MatchResult& result) const {
   result.peaks[0].reference_T_scan = result.reference_T_scan;
 }
 
-void NdtMatcher::climb(const MatchReference& reference, const SearchOutcome& outcome, MatchResult& result) const {
+void NdtMatcher::climb(const SearchGround& ground, const SearchOutcome& outcome, MatchResult& result) const {
   const Refined top =
-      refine(reference.exact_ndt(), returns_, to_pose(outcome.peaks.best().point), params_.refine_steps);
+      refine(ground.exact_ndt, returns_, to_pose(outcome.peaks.best().point), params_.refine_steps, ground.deadline);
   result.reference_T_scan = top.reference_T_scan;
   result.evaluations += top.evaluations;
   result.fitness = top.derivatives.score / returns_.size();

@@ -63,7 +63,8 @@ struct Expectation {
 ///
 /// A poor match, one that climbed out of the box, and one that is expected anywhere are tried once more with wide
 /// cells, a wider box and every rotation, and say so. Memory is fixed at construction. Thread: owned by one thread.
-/// Real time: no allocation; bounded evaluations; at a deadline the best so far.
+/// Real time: no allocation; bounded evaluations; at a deadline the best so far, after what PoseSearch and `refine` end
+/// with.
 class NdtMatcher {
  public:
   explicit NdtMatcher(const MatcherParams& params);
@@ -74,10 +75,10 @@ class NdtMatcher {
 
  private:
   /// @param result  With `escalated` the wide search is run for sure; else it says whether it was.
-  [[nodiscard]] SearchOutcome search(MatchReference& reference, const MotionPrior& prior, const Deadline& deadline,
-                                     Rng& rng, MatchResult& result);
+  [[nodiscard]] SearchOutcome search(const SearchGround& ground, MatchReference& reference, Rng& rng,
+                                     MatchResult& result);
   void probe(const SearchGround& ground, SearchOutcome& outcome, Point2 direction) const;
-  void climb(const MatchReference& reference, const SearchOutcome& outcome, MatchResult& result) const;
+  void climb(const SearchGround& ground, const SearchOutcome& outcome, MatchResult& result) const;
   /// Of the answers, given the scan's points.
   void weigh(const Peaks& peaks, MatchResult& result) const;
   [[nodiscard]] bool is_poor(const SearchOutcome& outcome) const {

@@ -86,7 +86,7 @@ PoseSearch::PoseSearch(const SearchParams& params, int points_max)
 ScoredPoint PoseSearch::climb(const SearchGround& ground, const PointSet& points, const SearchPoint& start, int steps,
                               int& evaluations) {
   const Objective fine{ground.fine, points, ground.prior, evaluations};
-  return nelder_mead({start, fine(start)}, kSimplexSize, steps, fine);
+  return nelder_mead({start, fine(start)}, kSimplexSize, steps, fine, ground.deadline);
 }
 
 void PoseSearch::start(const Objective& objective, const SearchGround& ground, const SearchedScan& scan) {
@@ -129,7 +129,7 @@ void PoseSearch::cross_over_to(const Objective& fine, Rng& rng) {
   evolution_.find_best();
 }
 
-void PoseSearch::add_other_peaks(const Objective& fine, Peaks& peaks) {
+void PoseSearch::add_other_peaks(const Objective& fine, const Deadline& deadline, Peaks& peaks) {
   for (int other = 0; other < kOther_peaks; ++other) {
     const DeMember* start = nullptr;
     for (const DeMember& member : evolution_.population()) {
@@ -140,12 +140,11 @@ void PoseSearch::add_other_peaks(const Objective& fine, Peaks& peaks) {
     if (start == nullptr) {
       return;
     }
-    peaks.offer(nelder_mead({start->point, start->score}, kSimplexSize, params_.simplex_steps / 2, fine));
+    peaks.offer(nelder_mead({start->point, start->score}, kSimplexSize, params_.simplex_steps / 2, fine, deadline));
   }
 }
 
-SearchOutcome PoseSearch::run(const SearchGround& ground, const SearchedScan& scan, const Deadline& deadline,
-                              Rng& rng) {
+SearchOutcome PoseSearch::run(const SearchGround& ground, const SearchedScan& scan, Rng& rng) {
   SearchOutcome outcome;
   subset_.clear();
   for (int i = 0; i < scan.points.size(); i += params_.coarse_every) {
@@ -156,19 +155,19 @@ SearchOutcome PoseSearch::run(const SearchGround& ground, const SearchedScan& sc
                        params_.exact ? &ground.exact_ndt : nullptr};
   if (params_.coarse_evaluations > 0) {
     start(coarse, ground, scan);
-    outcome.stop = evolution_.evolve(coarse, params_.coarse_evaluations, deadline, rng);
+    outcome.stop = evolution_.evolve(coarse, params_.coarse_evaluations, ground.deadline, rng);
     cross_over_to(fine, rng);
   } else {
     start(fine, ground, scan);
   }
   if (outcome.stop == StopReason::kBudget) {
-    outcome.stop = evolution_.evolve(fine, params_.fine_evaluations, deadline, rng);
+    outcome.stop = evolution_.evolve(fine, params_.fine_evaluations, ground.deadline, rng);
   }
   const DeMember& best = evolution_.best();
   outcome.peaks.offer(nelder_mead({best.point, best.score}, kSimplexSize, params_.simplex_steps, fine));
   const SearchPoint centre = to_search_point(ground.prior.reference_T_scan);
-  outcome.peaks.offer(nelder_mead({centre, fine(centre)}, kSimplexSize, params_.simplex_steps, fine));
-  add_other_peaks(fine, outcome.peaks);
+  outcome.peaks.offer(nelder_mead({centre, fine(centre)}, kSimplexSize, params_.simplex_steps, fine, ground.deadline));
+  add_other_peaks(fine, ground.deadline, outcome.peaks);
   return outcome;
 }
 

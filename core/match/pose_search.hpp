@@ -29,13 +29,14 @@ struct MotionPrior {
   [[nodiscard]] double penalty(const SearchPoint& pose) const;
 };
 
-/// Where to search: what the reference scores, how its surfaces lie, and what is expected.
+/// Where to search: what the reference scores, how its surfaces lie, and what is expected. And until when.
 struct SearchGround {
   const ScoreRaster& coarse;
   const ScoreRaster& fine;
   const OrientationHistogram& reference_orientations;
   const MotionPrior& prior;
   const Ndt& exact_ndt;  ///< for `SearchParams::exact`
+  Deadline deadline{};
 };
 
 /// What is searched for: a scan, in its own frame.
@@ -78,7 +79,8 @@ struct SearchOutcome {
 /// blurred raster, then on the fine one, then a simplex on each peak.
 ///
 /// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; evaluations bounded by
-/// `SearchParams`; at a deadline the best so far.
+/// `SearchParams`. A deadline is asked every 40 evaluations at the latest, but for those that an answer needs and that
+/// are done after it too: the start points, the population on the fine raster, and one simplex from the best.
 class PoseSearch {
  public:
   PoseSearch(const SearchParams& params, int points_max);
@@ -86,13 +88,13 @@ class PoseSearch {
   /// For the searches from here on; `de` as at construction.
   void set_params(const SearchParams& params) { params_ = params; }
 
-  [[nodiscard]] SearchOutcome run(const SearchGround& ground, const SearchedScan& scan, const Deadline& deadline,
-                                  Rng& rng);
+  [[nodiscard]] SearchOutcome run(const SearchGround& ground, const SearchedScan& scan, Rng& rng);
 
   /// Where the last search looked; its answer may have climbed out.
   [[nodiscard]] const SearchBox& box() const { return evolution_.box(); }
 
-  /// Climbs from `start` to the peak of the fine raster near it with about `steps` evaluations, added to `evaluations`.
+  /// Climbs from `start` to the peak of the fine raster near it with about `steps` evaluations, added to `evaluations`;
+  /// at a deadline with fewer.
   [[nodiscard]] static ScoredPoint climb(const SearchGround& ground, const PointSet& points, const SearchPoint& start,
                                          int steps, int& evaluations);
 
@@ -100,7 +102,7 @@ class PoseSearch {
   struct Objective;
   void start(const Objective& objective, const SearchGround& ground, const SearchedScan& scan);
   void cross_over_to(const Objective& fine, Rng& rng);
-  void add_other_peaks(const Objective& fine, Peaks& peaks);
+  void add_other_peaks(const Objective& fine, const Deadline& deadline, Peaks& peaks);
 
   SearchParams params_;
   PointSet subset_;

@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kDamping_first = 1e-3;
 constexpr double kConverged_m = 1e-5;
+constexpr int kSteps_sure = 4;  // from a simplex's answer hardly any is left after them
 
 // Steepest safe step: Newton's where the score is concave, Gauss-Newton's elsewhere.
 Eigen::Vector3d ascent_step(const NdtDerivatives& at, double damping) {
@@ -24,10 +25,10 @@ Eigen::Vector3d ascent_step(const NdtDerivatives& at, double damping) {
 
 }  // namespace
 
-Refined refine(const Ndt& ndt, const PointSet& points, const Pose2& start, int steps) {
+Refined refine(const Ndt& ndt, const PointSet& points, const Pose2& start, int steps, const Deadline& deadline) {
   Refined best{start, ndt.derivatives(points, start), 1};
   double damping = kDamping_first;
-  while (best.evaluations < steps) {
+  while (best.evaluations < steps && (best.evaluations < kSteps_sure || !deadline.expired())) {
     const Eigen::Vector3d step = ascent_step(best.derivatives, damping);
     const Pose2& at = best.reference_T_scan;
     const Pose2 next{at.x_m + step.x(), at.y_m + step.y(), wrap_angle(at.yaw_rad + step.z())};

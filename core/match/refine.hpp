@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/deadline.hpp"
 #include "core/ndt/ndt.hpp"
 #include "core/scan/point_set.hpp"
 
@@ -15,7 +16,9 @@ struct Refined {
 /// Climbs from `start` to the nearest peak of the exact NDT score by damped Newton steps [biber2003ndt, section IV].
 ///
 /// Where the Hessian is not negative definite its Gauss-Newton part takes its place. Never ends lower than it began.
-/// Real time: no allocation; at most `steps` evaluations of score, gradient and Hessian.
-[[nodiscard]] Refined refine(const Ndt& ndt, const PointSet& points, const Pose2& start, int steps);
+/// Real time: no allocation; at most `steps` evaluations of score, gradient and Hessian, after the deadline no more
+/// than make up the first 4.
+[[nodiscard]] Refined refine(const Ndt& ndt, const PointSet& points, const Pose2& start, int steps,
+                             const Deadline& deadline = {});
 
 }  // namespace odoless

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace odoless {
 namespace {
@@ -77,69 +78,89 @@ Point2 Ndt::slot_corner(int slot_index) const {
 }
 
 void Ndt::rebuild(const PointSet& points) {
-  for (int i = 0; i < touched_count_; ++i) {
-    const auto index = static_cast<std::size_t>(touched_[static_cast<std::size_t>(i)]);
-    slot_sum_[index] = kNone;
-    slot_cell_[index] = kNone;
-  }
-  touched_count_ = 0;
-  cell_count_ = 0;
-  gather(points);
-  finish_cells();
+  begin_rebuild();
+  static_cast<void>(rebuild_slice(points, std::numeric_limits<int>::max()));
 }
 
-void Ndt::gather(const PointSet& points) {
-  for (int i = 0; i < points.size(); ++i) {
-    const Point2 p = points[i];
-    for (int grid = 0; grid < kGrids; ++grid) {
-      const int index = slot(grid, p.x_m, p.y_m);
-      if (index == kNone) {
-        continue;
-      }
-      std::int32_t& sum_index = slot_sum_[static_cast<std::size_t>(index)];
-      if (sum_index == kNone) {
-        if (touched_count_ == static_cast<int>(touched_.size())) {
-          continue;
-        }
-        sum_index = touched_count_;
-        touched_[static_cast<std::size_t>(touched_count_)] = index;
-        sums_[static_cast<std::size_t>(touched_count_++)] = {.corner = slot_corner(index)};
-      }
-      Sums& sum = sums_[static_cast<std::size_t>(sum_index)];
-      const double x = p.x_m - sum.corner.x_m;
-      const double y = p.y_m - sum.corner.y_m;
-      sum.x += x;
-      sum.y += y;
-      sum.xx += x * x;
-      sum.xy += x * y;
-      sum.yy += y * y;
-      ++sum.points;
+void Ndt::begin_rebuild() {
+  stage_ = Stage::kForget;
+  next_ = 0;
+}
+
+bool Ndt::rebuild_slice(const PointSet& points, int most) {
+  const auto ended = [&](int count, auto&& step) {  // as many of a stage's steps as the slice has left
+    for (; next_ < count && most > 0; ++next_, --most) {
+      step(next_);
     }
+    return next_ == count;
+  };
+  if (stage_ == Stage::kForget && ended(touched_count_, [this](int i) { forget(i); })) {
+    touched_count_ = cell_count_ = next_ = 0;
+    stage_ = Stage::kGather;
   }
+  if (stage_ == Stage::kGather && ended(points.size(), [&](int i) { gather(points[i]); })) {
+    next_ = 0;
+    stage_ = Stage::kFinish;
+  }
+  if (stage_ == Stage::kFinish && ended(touched_count_, [this](int i) { finish(i); })) {
+    stage_ = Stage::kDone;
+  }
+  return stage_ == Stage::kDone;
 }
 
-void Ndt::finish_cells() {
-  for (int i = 0; i < touched_count_; ++i) {
-    const Sums& sum = sums_[static_cast<std::size_t>(i)];
-    if (sum.points < params_.points_min || cell_count_ == static_cast<int>(cells_.size())) {
+void Ndt::forget(int touched) {
+  const auto index = static_cast<std::size_t>(touched_[static_cast<std::size_t>(touched)]);
+  slot_sum_[index] = kNone;
+  slot_cell_[index] = kNone;
+}
+
+void Ndt::gather(const Point2& p) {
+  for (int grid = 0; grid < kGrids; ++grid) {
+    const int index = slot(grid, p.x_m, p.y_m);
+    if (index == kNone) {
       continue;
     }
-    const int index = touched_[static_cast<std::size_t>(i)];
-    const double n = sum.points;
-    const double x = sum.x / n;
-    const double y = sum.y / n;
-    const double scale = 1.0 / (n - 1.0);
-    PlacedCell& placed = cells_[static_cast<std::size_t>(cell_count_)];
-    placed.corner = sum.corner;
-    placed.cell = {{placed.corner.x_m + x, placed.corner.y_m + y},
-                   (sum.xx - n * x * x) * scale,
-                   (sum.xy - n * x * y) * scale,
-                   (sum.yy - n * y * y) * scale,
-                   sum.points};
-    information_[static_cast<std::size_t>(cell_count_)] =
-        mended_information(placed.cell, params_.sigma_min_m, params_.sigma_ratio_min);
-    slot_cell_[static_cast<std::size_t>(index)] = cell_count_++;
+    std::int32_t& sum_index = slot_sum_[static_cast<std::size_t>(index)];
+    if (sum_index == kNone) {
+      if (touched_count_ == static_cast<int>(touched_.size())) {
+        continue;
+      }
+      sum_index = touched_count_;
+      touched_[static_cast<std::size_t>(touched_count_)] = index;
+      sums_[static_cast<std::size_t>(touched_count_++)] = {.corner = slot_corner(index)};
+    }
+    Sums& sum = sums_[static_cast<std::size_t>(sum_index)];
+    const double x = p.x_m - sum.corner.x_m;
+    const double y = p.y_m - sum.corner.y_m;
+    sum.x += x;
+    sum.y += y;
+    sum.xx += x * x;
+    sum.xy += x * y;
+    sum.yy += y * y;
+    ++sum.points;
   }
+}
+
+void Ndt::finish(int touched) {
+  const Sums& sum = sums_[static_cast<std::size_t>(touched)];
+  if (sum.points < params_.points_min || cell_count_ == static_cast<int>(cells_.size())) {
+    return;
+  }
+  const int index = touched_[static_cast<std::size_t>(touched)];
+  const double n = sum.points;
+  const double x = sum.x / n;
+  const double y = sum.y / n;
+  const double scale = 1.0 / (n - 1.0);
+  PlacedCell& placed = cells_[static_cast<std::size_t>(cell_count_)];
+  placed.corner = sum.corner;
+  placed.cell = {{placed.corner.x_m + x, placed.corner.y_m + y},
+                 (sum.xx - n * x * x) * scale,
+                 (sum.xy - n * x * y) * scale,
+                 (sum.yy - n * y * y) * scale,
+                 sum.points};
+  information_[static_cast<std::size_t>(cell_count_)] =
+      mended_information(placed.cell, params_.sigma_min_m, params_.sigma_ratio_min);
+  slot_cell_[static_cast<std::size_t>(index)] = cell_count_++;
 }
 
 double Ndt::score(const PointSet& points, const Pose2& reference_T_points) const {

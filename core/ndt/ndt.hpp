@@ -69,7 +69,7 @@ struct NdtDerivatives {
 /// Normal Distributions Transform of a point set: four grids, shifted by half a cell [biber2003ndt].
 ///
 /// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; `rebuild` is linear in the
-/// points and in the cells that they touch, `score` in the points.
+/// points and in the cells that they touch, also in slices; `score` in the points.
 class Ndt {
  public:
   static constexpr int kGrids = 4;
@@ -79,6 +79,11 @@ class Ndt {
 
   /// Replaces the reference by `points`; what lies a cell or more beyond `extent_m` is ignored.
   void rebuild(const PointSet& points);
+  /// The same in slices: `begin_rebuild`, then `rebuild_slice` of the same points until it says that all is done. In
+  /// between nothing else may be asked.
+  void begin_rebuild();
+  /// @param most  Points and cells in this slice.
+  [[nodiscard]] bool rebuild_slice(const PointSet& points, int most);
 
   /// Sum over `points`, moved by `reference_T_points`, of exp(-d^T S^-1 d / 2), averaged over the four grids.
   [[nodiscard]] double score(const PointSet& points, const Pose2& reference_T_points) const;
@@ -103,17 +108,21 @@ class Ndt {
     int points = 0;
   };
   static constexpr std::int32_t kNone = -1;
+  enum class Stage : std::uint8_t { kForget, kGather, kFinish, kDone };
 
   [[nodiscard]] int slot(int grid, double x_m, double y_m) const;
   [[nodiscard]] Point2 slot_corner(int slot_index) const;
-  void gather(const PointSet& points);
-  void finish_cells();
+  void forget(int touched);
+  void gather(const Point2& p);
+  void finish(int touched);
 
   NdtParams params_;
   double inverse_cell_size_ = 1.0;
   int side_cells_ = 0;
   int touched_count_ = 0;
   int cell_count_ = 0;
+  Stage stage_ = Stage::kDone;           ///< of a rebuild
+  int next_ = 0;                         ///< in this stage
   std::vector<Sums> sums_;               ///< per touched slot
   std::vector<std::int32_t> touched_;    ///< slots that hold points
   std::vector<std::int32_t> slot_sum_;   ///< slot -> index into sums_, or kNone

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <numbers>
 
 #include "core/base/hot.hpp"
@@ -85,13 +87,26 @@ ScoreRaster::ScoreRaster(const RasterParams& params)
 }
 
 void ScoreRaster::paint(const Ndt& ndt) {
-  std::fill(pixels_.begin(), pixels_.end(), std::int16_t{0});
-  for (const Ndt::PlacedCell& placed : ndt.cells()) {
-    paint_cell(placed, ndt.params().cell_size_m, ndt.params().sigma_ratio_min);
+  begin_paint();
+  while (!paint_slice(ndt, std::numeric_limits<int>::max())) {
   }
 }
 
-void ScoreRaster::paint_cell(const Ndt::PlacedCell& placed, double side_m, double sigma_ratio_min) {
+bool ScoreRaster::paint_slice(const Ndt& ndt, int pixels) {
+  constexpr int kEmptied = 8;    // pixels are emptied in the time of one that is painted,
+  constexpr int kCell_px = 100;  // of which the rest of a cell takes so much
+  const int end = side_px_ + static_cast<int>(ndt.cells().size());
+  for (; painted_ < side_px_ && pixels > 0; ++painted_, pixels -= 1 + side_px_ / kEmptied) {
+    std::fill_n(pixels_.begin() + static_cast<std::ptrdiff_t>(painted_) * side_px_, side_px_, std::int16_t{0});
+  }
+  for (; painted_ < end && pixels > 0; ++painted_) {
+    const Ndt::PlacedCell& placed = ndt.cells()[static_cast<std::size_t>(painted_ - side_px_)];
+    pixels -= kCell_px + paint_cell(placed, ndt.params().cell_size_m, ndt.params().sigma_ratio_min);
+  }
+  return painted_ == end;
+}
+
+int ScoreRaster::paint_cell(const Ndt::PlacedCell& placed, double side_m, double sigma_ratio_min) {
   const NdtCell& cell = placed.cell;
   const NdtInformation b = mended_information(cell, params_.sigma_min_m, sigma_ratio_min);
   const double determinant = b.xx * b.yy - b.xy * b.xy;
@@ -124,6 +139,7 @@ void ScoreRaster::paint_cell(const Ndt::PlacedCell& placed, double side_m, doubl
                       .b = static_cast<float>(b.xy * v),
                       .c = static_cast<float>(b.yy * v * v)});
   }
+  return std::max(0, right - left) * std::max(0, top - bottom);
 }
 
 void ScoreRaster::clear() { std::fill(pixels_.begin(), pixels_.end(), std::int16_t{0}); }

@@ -39,6 +39,10 @@ class ScoreRaster {
 
   /// Repaints all from `ndt`.
   void paint(const Ndt& ndt);
+  /// The same in slices: `begin_paint`, then `paint_slice` of the same until it says that all is done.
+  void begin_paint() { painted_ = 0; }
+  /// @param pixels  To paint in this slice, and as many more as its last cell has.
+  [[nodiscard]] bool paint_slice(const Ndt& ndt, int pixels);
 
   /// Marks what the beams of `scan` went through, up to `margin_m` before the nearest of three neighbours: such a pixel
   /// scores n - penalty * max(0, 1 - 4 n), n being its NDT score. Beams without return say nothing, nor those that see
@@ -79,7 +83,8 @@ class ScoreRaster {
     return {p_reference.x_m * inverse_resolution_ + 0.5 * side_px_,
             p_reference.y_m * inverse_resolution_ + 0.5 * side_px_};
   }
-  void paint_cell(const Ndt::PlacedCell& placed, double side_m, double sigma_ratio_min);
+  /// Returns the number of its pixels.
+  int paint_cell(const Ndt::PlacedCell& placed, double side_m, double sigma_ratio_min);
   void mark_wedge(double start_rad, double end_rad, double radius_m, const Point2& apex, double penalty);
   void mark_half_wedge(const HalfWedge& wedge, const Point2& apex, double mirror, double penalty);
   void mark_span(int row, double from_px, double to_px, double penalty);
@@ -87,6 +92,7 @@ class ScoreRaster {
   RasterParams params_;
   int side_px_;
   double inverse_resolution_;
+  int painted_ = 0;  ///< of the rows, which are emptied, and then the cells
   std::vector<std::int16_t> pixels_;
 };
 

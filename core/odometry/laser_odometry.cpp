@@ -22,6 +22,7 @@ constexpr double kSlack_rad = 0.05;
 constexpr double kReach_deviations = 3.0;
 constexpr double kWide_m = 3.0;  // where the motion may lead farther, a search near the expected pose is not enough
 constexpr double kSpeed_kept_unmatched = 0.5;
+constexpr int kSlices_sure = 16;  // of a local map, however little time a match has left
 
 void copy_figures(const MatchResult& match, Motion& motion) {
   motion.fitness = match.fitness;
@@ -43,7 +44,8 @@ LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const RobotLimit
     : params_(params),
       limits_(limits),
       matcher_(matcher),
-      reference_(params.local_map, matcher.points_max * params.key_scans),
+      map_{MatchReference(params.local_map, matcher.points_max * params.key_scans)},
+      next_map_(map_),
       keys_(static_cast<std::size_t>(params.key_scans), KeyScan{ScanFrame(scan), {}}),
       placed_(static_cast<std::size_t>(params.key_scans)) {
   ODOLESS_CHECK(parameters_in_range(params) && parameters_in_range(limits));
@@ -51,16 +53,13 @@ LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const RobotLimit
 }
 
 Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, Rng& rng) {
-  if (rebuild_is_due_) {
-    rebuild_reference();
-  }
   const std::int64_t from_stamp_ns = started_ ? stamp_ns_ : scan.stamp_ns();
   Motion motion = Motion::between(from_stamp_ns, scan.stamp_ns(), {});
   motion.duration_ns = started_ ? scan.time_ns() - time_ns_ : 0;
   motion.duration_sd_s = started_ ? std::hypot(scan.time_sd_s(), time_sd_s_) : 0.0;
   const double period_s = std::max(params_.period_min_s, motion.duration_s());
   const Estimate prediction = predict(period_s);
-  const Pose2 odom_T_key = reference_.empty() ? odom_T_scan_ : odom_T_key_;
+  const Pose2 odom_T_key = map_.reference.empty() ? odom_T_scan_ : map_.odom_T_key;
   const Pose2 key_T_scan = odom_T_key.inverse() * prediction.odom_T_scan;
   const double unobserved_s = unobserved_period_s(scan, period_s);
   MotionReach reach = expected_reach(unobserved_s);
@@ -68,7 +67,7 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   reach.rotation_rad += std::abs(speed_yaw_radps_) * motion.duration_sd_s;
   const Expectation expected{key_T_scan, reach.distance_m, reach.rotation_rad, reach.distance_m > kWide_m,
                              odom_T_key.inverse() * odom_T_scan_};
-  const Result<MatchResult> match = matcher_.match(reference_, scan, expected, deadline, rng);
+  const Result<MatchResult> match = matcher_.match(map_.reference, scan, expected, deadline, rng);
   copy_figures(match.ok() ? match.value() : MatchResult{}, motion);
   motion.set(kMatched, match.ok());
   motion.set(kJolted, match.ok() && unobserved_s < kHole_s && motion.score < params_.poor_share * usual_score_.value());
@@ -86,11 +85,13 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   const Pose2 key_T_now = odom_T_key.inverse() * odom_T_scan_;
   if (begins_anew(motion)) {
     key_count_ = 0;
+    map_.reference.clear();
     add_key(scan, odom_T_scan_);
-  } else if (reference_.empty() || key_T_now.distance_m({}) > params_.key_distance_m ||
-             std::abs(wrap_angle(key_T_now.yaw_rad)) > params_.key_rotation_rad) {
+  } else if (!building_ && (map_.reference.empty() || key_T_now.distance_m({}) > params_.key_distance_m ||
+                            std::abs(wrap_angle(key_T_now.yaw_rad)) > params_.key_rotation_rad)) {
     add_key(scan, odom_T_scan_);
   }
+  build_map(deadline);
   return motion;
 }
 
@@ -247,19 +248,23 @@ void LaserOdometry::add_key(const ScanFrame& scan, const Pose2& odom_T_scan) {
   KeyScan& newest = keys_[static_cast<std::size_t>(newest_key_)];
   newest.scan = scan;  // each by itself: a KeyScan in between would allocate
   newest.odom_T_scan = odom_T_scan;
-  odom_T_key_ = odom_T_scan;
-  rebuild_is_due_ = true;
-}
-
-void LaserOdometry::rebuild_reference() {
-  const int capacity = params_.key_scans;
-  const Pose2 key_T_odom = odom_T_key_.inverse();
+  const Pose2 key_T_odom = odom_T_scan.inverse();
   for (int age = 0; age < key_count_; ++age) {  // newest first
     const KeyScan& key = keys_[static_cast<std::size_t>((newest_key_ - age + capacity) % capacity)];
     placed_[static_cast<std::size_t>(age)] = {&key.scan, key_T_odom * key.odom_T_scan};
   }
-  static_cast<void>(reference_.rebuild({placed_.data(), static_cast<std::size_t>(key_count_)}));
-  rebuild_is_due_ = false;
+  next_map_.odom_T_key = odom_T_scan;
+  next_map_.reference.begin_rebuild({placed_.data(), static_cast<std::size_t>(key_count_)});
+  building_ = true;
+}
+
+void LaserOdometry::build_map(const Deadline& deadline) {
+  for (int slices = 0; building_ && (slices < kSlices_sure || !deadline.expired()); ++slices) {
+    if (next_map_.reference.rebuild_slice()) {
+      std::swap(map_, next_map_);
+      building_ = false;
+    }
+  }
 }
 
 }  // namespace odoless

@@ -67,8 +67,10 @@ struct LaserOdometryParams {
 
 /// Tracks the laser by matching each scan to the local map of the last key scans. No prior but constant velocity.
 ///
-/// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; one match per scan, and one
-/// rebuild of the local map per key scan: before the next match, which has the less time for its search.
+/// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; one match per scan. After it
+/// a key scan's local map is built beside the old one, which serves until then: with what time the match has left
+/// before the deadline, or a few slices where there is none, and the next scans go on with it. None of them becomes a
+/// key scan meanwhile. Without a deadline it is there at once.
 class LaserOdometry {
  public:
   LaserOdometry(const LaserOdometryParams& params, const RobotLimits& limits, const MatcherParams& matcher,
@@ -87,6 +89,10 @@ class LaserOdometry {
   struct KeyScan {
     ScanFrame scan;
     Pose2 odom_T_scan;
+  };
+  struct LocalMap {
+    MatchReference reference;
+    Pose2 odom_T_key{};
   };
   struct Estimate {
     Pose2 odom_T_scan;
@@ -108,21 +114,21 @@ class LaserOdometry {
   [[nodiscard]] bool begins_anew(const Motion& motion);
   /// The speed may be any.
   void forget_speed();
+  /// Begins a local map of the key scans, seen from this one, the newest.
   void add_key(const ScanFrame& scan, const Pose2& odom_T_scan);
-  /// Of the key scans, seen from the newest.
-  void rebuild_reference();
+  void build_map(const Deadline& deadline);
 
   LaserOdometryParams params_;
   RobotLimits limits_;
   NdtMatcher matcher_;
-  MatchReference reference_;
+  LocalMap map_;
+  LocalMap next_map_;  ///< being built
   std::vector<KeyScan> keys_;
   std::vector<PlacedScan> placed_;
   int key_count_ = 0;
   int newest_key_ = -1;
-  bool rebuild_is_due_ = false;
+  bool building_ = false;
   bool started_ = false;
-  Pose2 odom_T_key_{};
   std::int64_t stamp_ns_ = 0;  ///< of the last scan, as told; its time as estimated
   std::int64_t time_ns_ = 0;
   double time_sd_s_ = 0.0;

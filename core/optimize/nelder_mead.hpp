@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/base/deadline.hpp"
 #include "core/optimize/search_box.hpp"
 
 namespace odoless {
@@ -17,9 +18,11 @@ struct ScoredPoint {
 /// Downhill simplex of Nelder and Mead (1965), maximising in three dimensions.
 ///
 /// Starts from `start` and three points at `size` along the axes; `evaluations` calls of `score(const
-/// SearchPoint&)`, up to 4 more where the last step needs them, and at least 3. Real time: no allocation.
+/// SearchPoint&)`, up to 4 more where the last step needs them, and at least 3. Fewer at a deadline, which is asked
+/// every 8 steps of at most 5 calls, the first time before the first step. Real time: no allocation.
 template <class Score>
-ScoredPoint nelder_mead(const ScoredPoint& start, const SearchPoint& size, int evaluations, Score&& score) {
+ScoredPoint nelder_mead(const ScoredPoint& start, const SearchPoint& size, int evaluations, Score&& score,
+                        const Deadline& deadline = {}) {
   constexpr std::size_t kCorners = 4;
   std::array<ScoredPoint, kCorners> simplex;
   simplex.fill(start);
@@ -34,7 +37,10 @@ ScoredPoint nelder_mead(const ScoredPoint& start, const SearchPoint& size, int e
       }
     }
   };
-  for (int used = 3; used < evaluations;) {
+  for (int used = 3, step = 0; used < evaluations; ++step) {
+    if (step % 8 == 0 && deadline.expired()) {
+      break;
+    }
     order();
     const auto along = [&](double factor) {  // on the line from the worst corner through the centre of the others
       ScoredPoint p;

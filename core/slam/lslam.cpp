@@ -164,20 +164,33 @@ bool Lslam::select_survivors(UpdateReport& report) {
 }
 
 void Lslam::map_scan(const ScanFrame& scan, const Deadline& deadline, UpdateReport& report) {
-  for (int particle = 0, mapped = 0; particle < particles(); ++particle) {
+  for (int particle = 0; particle < particles(); ++particle) {
     if (report.resampled && !particles_.survives(particle)) {
       continue;
     }
-    if (mapped > 0 && deadline.expired()) {
+    if (report.thinly_mapped_particles > 0) {
       ++report.unmapped_particles;
-    } else {
-      AncestryGrid::Writer writer = particles_.grid().writer(particle);
-      const BeamCaster caster(geometry(), pose(particle));
-      integrate_scan(model_, caster, writer, scan, params_.free_no_return_m);
-      ++mapped;
+    } else if (!map_until(deadline, particle, scan)) {
+      ++report.thinly_mapped_particles;
     }
     particles_.paths().append(particle, {.stamp_ns = scan.stamp_ns(), .map_T_scan = pose(particle)});
   }
+}
+
+/// False if the time was over: of the beams left then an even choice was taken, lest the map know one side alone.
+bool Lslam::map_until(const Deadline& deadline, int particle, const ScanFrame& scan) {
+  constexpr int kBeams = 64;  // from one question to the next, and after the last
+  AncestryGrid::Writer writer = particles_.grid().writer(particle);
+  const BeamCaster caster(geometry(), pose(particle));
+  bool over = false;
+  for (int first = 0; first < scan.size() && !over; first += kBeams) {
+    over = deadline.expired();
+    const int left = scan.size() - first;
+    const ScanPart part(scan, first, first + (over ? left : std::min(left, kBeams)),
+                        over ? (left + kBeams - 1) / kBeams : 1);
+    integrate_scan(model_, caster, writer, part, params_.free_no_return_m);
+  }
+  return !over;
 }
 
 void Lslam::count(const AncestryGrid::Counters& before, std::int64_t thinned_before, UpdateReport& report) {

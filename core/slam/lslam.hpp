@@ -31,7 +31,9 @@ struct UpdateReport {
   std::int64_t refused_tiles = 0;        ///< observations refused since the pool of tiles is full
   std::int64_t outside_tiles = 0;        ///< observations outside of the grid
   int unweighed_particles = 0;           ///< given up at the deadline
-  int unmapped_particles = 0;            ///< survivors whose maps lack this scan since the time was over
+  int thinly_mapped_particles = 0;       ///< 1 if the time was over before all survivors had this scan in their maps:
+                                         ///< one got an even choice of its beams,
+  int unmapped_particles = 0;            ///< and those after it none
   std::int64_t thinned_poses = 0;        ///< poses that went from the paths since their pool was full
 };
 
@@ -56,12 +58,14 @@ struct PoseEstimate {
 ///            grid is a window that follows the best particle.
 /// Full pool: observations that find no room are refused and counted, and the next update drops the weakest half of the
 ///            particles, which gives their tiles back.
-/// Deadline:  at its end particles not weighed yet are given up as if their weight were 0, and survivors that remain go
-///            on without this scan in their maps. One particle is always weighed and mapped. None in a replay.
+/// Deadline:  at its end particles not weighed yet are given up as if their weight were 0; the survivor whose map is
+///            drawn gets 64 of the beams left, evenly chosen, and those after it go on without this scan in their maps.
+///            One particle is always weighed, and one gets 64 beams at least. None in a replay.
 /// Thread:    owned by one thread, but for what is copied out.
 /// Real time: `update` and `reset` do not allocate, lock or read a clock; the time of an update is bounded by
 ///            particles, beams and their length in cells, and does not depend on the map's size or the length of the
-///            run; past the deadline it is that of one particle, and of what is linear in the particles.
+///            run; past the deadline it is that of weighing one particle, of 128 beams into a map, and of what is
+///            linear in the particles and in the tiles that go with them.
 /// Promises:  the same seed, increments and scans give the same bits; poses, weights and maps are those of particles
 ///            with a copied map each (tests/core/slam/lslam_oracle_test.cpp).
 class Lslam {
@@ -124,6 +128,7 @@ class Lslam {
   [[nodiscard]] ScoredPose refined(int particle, std::span<const Beam> beams);
   [[nodiscard]] bool select_survivors(UpdateReport& report);
   void map_scan(const ScanFrame& scan, const Deadline& deadline, UpdateReport& report);
+  [[nodiscard]] bool map_until(const Deadline& deadline, int particle, const ScanFrame& scan);
   /// Lets the window of the maps follow the robot, and parts of them grow old.
   void move_window(const Motion& motion);
   [[nodiscard]] GridCell cell_of(const Pose2& map_T_scan) const;

@@ -1,10 +1,16 @@
 #include "core/slam/path_pool.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/check.hpp"
 
 namespace odoless {
+namespace {
+
+constexpr std::size_t kLooks = 16;  // per record that an update may append
+
+}  // namespace
 
 PathPool::PathPool(int records_max, int particles_max, int appends_max)
     : particles_max_(static_cast<std::size_t>(particles_max)), appends_max_(static_cast<std::size_t>(appends_max)) {
@@ -17,24 +23,24 @@ PathPool::PathPool(int records_max, int particles_max, int appends_max)
 }
 
 void PathPool::reset() {
-  std::fill(records_.begin(), records_.end(), Record{});
+  fresh_ = 0;
   free_.clear();
-  for (auto i = static_cast<Index>(records_.size()); i-- > 0;) {
-    free_.push_back(i);
-  }
   particles_ = 1;
-  ends_[0] = kNone;
-  update_ = thinnings_ = thinned_ = 0;
+  ends_[0] = oldest_ = newest_ = lost_ = to_thin_ = kNone;
+  thinnings_ = 0;
+  thin_ahead_ = 0;
+  thinned_ = 0;
 }
 
 void PathPool::retain(std::span<const int> copies) {
   ODOLESS_CHECK(copies.size() == particles_);
   for (std::size_t i = 0; i < particles_; ++i) {
     if (copies[i] == 0) {
-      release(ends_[i]);
+      leave(ends_[i]);
       ends_[i] = kNone;
     }
   }
+  give_back_lost();
 }
 
 void PathPool::branch(std::span<const int> copies) {
@@ -53,19 +59,26 @@ void PathPool::branch(std::span<const int> copies) {
 }
 
 void PathPool::append(int particle, const StampedPose& pose) {
-  ODOLESS_CHECK(!free_.empty());
   Index& end = ends_[static_cast<std::size_t>(particle)];
-  const Index index = free_.back();
-  free_.pop_back();
-  records_[index] = {.pose = pose, .update = update_, .previous = end, .users = 1, .kept_in_thinning = 0};
-  end = index;
+  const Index index = take();
+  records_[index] = {
+      .pose = pose, .previous = end, .users = 1, .older = newest_, .newer = kNone, .kept_in_thinning = 0};
+  (newest_ == kNone ? oldest_ : records_[newest_].newer) = index;
+  newest_ = end = index;
 }
 
+/// An eighth of the pool is twice what an update may append, or more, and a thinning of the older half is done before
+/// half of that eighth is appended. At least a third of the records that may go does: all of that half but for 2 per
+/// particle, forks and ends. While lost records wait, an update gives back more of them than it may append.
 void PathPool::next_update() {
-  ++update_;
-  if (free_.size() < appends_max_ * particles_max_) {
-    thin();
+  give_back_lost();
+  if (lost_ == kNone && to_thin_ == kNone && room() < records_.size() / 8) {
+    ++thinnings_;
+    to_thin_ = oldest_;
+    thin_ahead_ = static_cast<std::size_t>(records_used()) / 2;
   }
+  thin();
+  ODOLESS_CHECK(room() >= appends_max_ * particles_max_);
 }
 
 int PathPool::copy_last(int particle, std::span<StampedPose> last) const {
@@ -91,56 +104,61 @@ std::size_t PathPool::memory_bytes() const {
          (free_.capacity() + ends_.capacity() + old_ends_.capacity()) * sizeof(Index);
 }
 
-void PathPool::release(Index index) {
-  while (index != kNone && --records_[index].users == 0) {
-    free_.push_back(index);
-    index = records_[index].previous;
+PathPool::Index PathPool::take() {
+  if (free_.empty()) {
+    ODOLESS_CHECK(fresh_ < records_.size());
+    return static_cast<Index>(fresh_++);
+  }
+  const Index index = free_.back();
+  free_.pop_back();
+  return index;
+}
+
+void PathPool::leave(Index index) {
+  if (index != kNone && --records_[index].users == 0) {
+    unlink(index);
+    records_[index].newer = lost_;
+    lost_ = index;
   }
 }
 
-/// A record goes unless it lost a neighbour in this round. So at least a third of those that may go does: of the older
-/// half of the pool (7.5 times what an update appends) at most 2 per particle, forks and ends, may not.
+void PathPool::unlink(Index index) {
+  const auto [older, newer] = std::pair(records_[index].older, records_[index].newer);
+  (older == kNone ? oldest_ : records_[older].newer) = newer;
+  (newer == kNone ? newest_ : records_[newer].older) = older;
+  to_thin_ = to_thin_ == index ? newer : to_thin_;
+}
+
+void PathPool::give_back_lost() {
+  for (std::size_t i = 0; i < kLooks * appends_max_ * particles_max_ && lost_ != kNone; ++i) {
+    const Index index = lost_;
+    lost_ = records_[index].newer;
+    free_.push_back(index);
+    leave(records_[index].previous);
+  }
+}
+
+/// A record goes unless it lost a neighbour in this round.
 void PathPool::thin() {
-  ++thinnings_;
-  const std::int64_t median = median_update();
-  for (Record& record : records_) {
-    const Index before = record.previous;
-    if (record.users == 0 || before == kNone || !may_go(before, median)) {
+  for (std::size_t i = 0; i < kLooks * appends_max_ * particles_max_ && to_thin_ != kNone; ++i) {
+    const Index index = to_thin_;
+    to_thin_ = --thin_ahead_ > 0 ? records_[index].newer : kNone;
+    const Index before = records_[index].previous;
+    if (before == kNone || !may_go(before)) {
       continue;
     }
-    record.previous = records_[before].previous;
-    record.kept_in_thinning = thinnings_;
-    records_[record.previous].kept_in_thinning = thinnings_;
-    records_[before].users = 0;
+    records_[index].previous = records_[before].previous;
+    records_[index].kept_in_thinning = records_[records_[before].previous].kept_in_thinning = thinnings_;
+    unlink(before);
     free_.push_back(before);
     ++thinned_;
   }
-  ODOLESS_CHECK(free_.size() >= appends_max_ * particles_max_);
-}
-
-/// The least update such that half of the records are not newer, by bisection: no memory, and 64 rounds at most.
-std::int64_t PathPool::median_update() const {
-  std::int64_t low = 0;
-  std::int64_t high = update_;
-  while (low < high) {
-    const std::int64_t middle = low + (high - low) / 2;
-    const auto older = std::count_if(records_.begin(), records_.end(), [middle](const Record& record) {
-      return record.users > 0 && record.update <= middle;
-    });
-    if (2 * older >= records_used()) {
-      high = middle;
-    } else {
-      low = middle + 1;
-    }
-  }
-  return low;
 }
 
 /// The very first record stays: a path begins where it began.
-bool PathPool::may_go(Index index, std::int64_t newest_to_go) const {
+bool PathPool::may_go(Index index) const {
   const Record& record = records_[index];
-  return record.users == 1 && record.update <= newest_to_go && record.previous != kNone &&
-         record.kept_in_thinning != thinnings_;
+  return record.users == 1 && record.previous != kNone && record.kept_in_thinning != thinnings_;
 }
 
 }  // namespace odoless

@@ -12,11 +12,12 @@ namespace odoless {
 /// The whole path of every particle, in a fixed pool: records point to the one before, so that particles share what
 /// they have in common, and a record goes when no path leads over it.
 ///
-/// When the pool has no room for what an update may append to every path, paths are thinned: of the older half of the
-/// records, every second one along each path goes, but for the first and those where paths fork. What goes is counted.
+/// When less than an eighth of the pool is free, paths are thinned: of the older half of the records, every second one
+/// along each path goes, but for the first and those where paths fork. What goes is counted.
 /// Thread:    owned by one thread.
-/// Real time: no allocation after construction but in `write_path`; thinning is linear in the pool, all else in the
-///            particles (the records that a lost particle alone led to are given back in one go).
+/// Real time: no allocation after construction but in `write_path`. Every update is linear in what it may append,
+///            however large the pool is: thinning, and giving back what lost particles alone led to, are spread over
+///            updates, and look at 16 records for each that an update may append.
 class PathPool {
  public:
   /// @param records_max  At least 16 * appends_max * particles_max: thinning then always finds room.
@@ -40,7 +41,8 @@ class PathPool {
   /// A particle's path from its first pose to its last. May allocate, in `path` alone.
   void write_path(int particle, std::vector<StampedPose>& path) const;
 
-  [[nodiscard]] int records_used() const { return static_cast<int>(records_.size() - free_.size()); }
+  /// With those that are to be given back still.
+  [[nodiscard]] int records_used() const { return static_cast<int>(records_.size() - room()); }
   [[nodiscard]] std::int64_t thinned() const { return thinned_; }
   [[nodiscard]] std::size_t memory_bytes() const;
 
@@ -50,26 +52,38 @@ class PathPool {
 
   struct Record {
     StampedPose pose;
-    std::int64_t update = 0;
     Index previous = kNone;
-    std::uint32_t users = 0;  ///< records and ends of paths that point here; 0: free
-    std::int64_t kept_in_thinning = 0;
+    std::uint32_t users = 0;  ///< records and ends of paths that point here
+    Index older = kNone;      ///< next in the order in which records were appended, to either side
+    Index newer = kNone;      ///< of a lost one: the next lost one
+    std::uint32_t kept_in_thinning = 0;
   };
 
-  void release(Index index);
+  /// Records that are free.
+  [[nodiscard]] std::size_t room() const { return free_.size() + records_.size() - fresh_; }
+  [[nodiscard]] Index take();
+  /// Takes one user from a record, which is lost with its last.
+  void leave(Index index);
+  /// Takes a record out of the order of age.
+  void unlink(Index index);
+  void give_back_lost();
   void thin();
-  [[nodiscard]] std::int64_t median_update() const;
-  [[nodiscard]] bool may_go(Index index, std::int64_t newest_to_go) const;
+  [[nodiscard]] bool may_go(Index index) const;
 
   std::size_t particles_max_;
   std::size_t appends_max_;
   std::size_t particles_ = 1;
   std::vector<Record> records_;
-  std::vector<Index> free_;
+  std::size_t fresh_ = 0;    ///< from here on records were never used
+  std::vector<Index> free_;  ///< of those before
+  Index oldest_ = kNone;
+  Index newest_ = kNone;
+  Index lost_ = kNone;       ///< no path leads over it; a list
   std::vector<Index> ends_;  ///< by particle
   std::vector<Index> old_ends_;
-  std::int64_t update_ = 0;
-  std::int64_t thinnings_ = 0;
+  std::uint32_t thinnings_ = 0;
+  Index to_thin_ = kNone;       ///< next record that a thinning looks at
+  std::size_t thin_ahead_ = 0;  ///< records that it looks at still
   std::int64_t thinned_ = 0;
 };
 

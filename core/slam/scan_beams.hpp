@@ -84,11 +84,23 @@ template <class Map>
   return sum;
 }
 
-/// Adds every return of the scan to a map, and, where `free_no_return_m` is not 0, the free way of beams without one.
+/// Every `step`-th beam of a scan from `first` on, before `end`.
+struct ScanPart {
+  ScanPart(const ScanFrame& whole) : scan(whole), end(whole.size()) {}  // NOLINT(google-explicit-constructor)
+  ScanPart(const ScanFrame& of, int from, int to, int every) : scan(of), first(from), end(to), step(every) {}
+
+  const ScanFrame& scan;
+  int first = 0;
+  int end;
+  int step = 1;
+};
+
+/// Adds every return of the part to a map, and, where `free_no_return_m` is not 0, the free way of beams without one.
 template <class Map>
-void integrate_scan(const BeamModel& model, const BeamCaster& caster, Map& map, const ScanFrame& scan,
+void integrate_scan(const BeamModel& model, const BeamCaster& caster, Map& map, const ScanPart& part,
                     double free_no_return_m) {
-  for (int i = 0; i < scan.size(); ++i) {
+  const ScanFrame& scan = part.scan;
+  for (int i = part.first; i < part.end; i += part.step) {
     if (scan.is_return(i)) {
       model.integrate(map, caster.walk(scan.direction(i), scan.range_m(i)), true);
     } else if (free_no_return_m > 0.0 && scan.state(i) == BeamState::kNoReturn) {

@@ -47,7 +47,7 @@ void enter(const FilterStep& step, const PoseEstimate& estimate, FilterStage& st
   if (step.updated) {
     report.log_likelihood_per_beam = step.report.log_likelihood_per_beam;
     report.refused_tiles += step.report.refused_tiles;
-    report.updates_cut += step.report.unweighed_particles + step.report.unmapped_particles > 0 ? 1 : 0;
+    report.updates_cut += step.report.unweighed_particles + step.report.thinly_mapped_particles > 0 ? 1 : 0;
   }
   report.pool_used = stage.filter().pool_used();
   report.paused = stage.paused();

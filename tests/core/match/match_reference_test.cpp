@@ -39,6 +39,42 @@ TEST_F(MatchReferenceTest, RebuildingForgetsTheOldOne) {
   EXPECT_EQ(fingerprint(reused), fingerprint(fresh));
 }
 
+TEST_F(MatchReferenceTest, SlicesMakeTheSame) {
+  const std::array<PlacedScan, 2> both{PlacedScan{&second_, second_pose_}, PlacedScan{&first_, {}}};
+  MatchReference whole({}, 1000);
+  MatchReference sliced({}, 1000);
+  ASSERT_EQ(whole.rebuild(both), Errc::kOk);
+  sliced.begin_rebuild(both);
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_FALSE(sliced.rebuild_slice());
+  }
+  sliced.begin_rebuild(both);  // anew, in the middle of the last
+  int slices = 1;
+  for (; !sliced.rebuild_slice(); ++slices) {
+  }
+  EXPECT_GT(slices, 10);
+  EXPECT_EQ(fingerprint(sliced), fingerprint(whole));
+}
+
+TEST_F(MatchReferenceTest, WideRasterIsPaintedUntilTheDeadlineAndThenGoneOnWith) {
+  MatchReference whole({}, 1000);
+  MatchReference sliced({}, 1000);
+  const PlacedScan placed{&first_, {}};
+  ASSERT_EQ(whole.rebuild({&placed, 1}), Errc::kOk);
+  ASSERT_EQ(sliced.rebuild({&placed, 1}), Errc::kOk);
+  int calls = 0;
+  for (bool ready = false; !ready; ++calls) {
+    int questions = 0;
+    const Deadline second_question([](const void* asked) { return ++*static_cast<int*>(const_cast<void*>(asked)) > 1; },
+                                   &questions);
+    ready = sliced.prepare_wide(second_question);
+  }
+  EXPECT_GE(calls, 3);
+  PointSet points(1000);
+  append_thinned(second_, second_pose_, 0.0, points);
+  EXPECT_EQ(sliced.wide().score(points.x_m(), points.y_m(), {}), whole.wide().score(points.x_m(), points.y_m(), {}));
+}
+
 TEST_F(MatchReferenceTest, WhatDoesNotFitIsTheOldestWithAllThatItSaid) {
   const std::array<PlacedScan, 2> both{PlacedScan{&second_, second_pose_}, PlacedScan{&first_, {}}};
   MatchReference small({}, second_.returns() + first_.returns() - 1);

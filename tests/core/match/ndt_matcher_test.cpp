@@ -202,6 +202,40 @@ TEST(NdtMatcher, DeadlineAlreadyOverStillGivesAnAnswer) {
   EXPECT_FALSE(lost.escalated) << "there is no time for it";
 }
 
+// Wherever it falls: before the search, in it, in the simplexes, in the Newton steps, between the two tries.
+TEST(NdtMatcher, AfterTheDeadlineThereIsOnlyWhatAnAnswerNeeds) {
+  // Start points of the second try, population, simplexes, Newton steps; and between two questions.
+  constexpr int kAnswer = 800 + 80 + 64 + 3 * 4 + 4 + 40;
+  const SimulatedScene room = cluttered_room();
+  Rng rng(11);
+  const ScanFrame here = sweep(room, {}, {}, rng);
+  const ScanFrame elsewhere = sweep(pillar_field(), {}, {}, rng);
+  const PlacedScan placed{&here, {}};
+  struct Questions {
+    int left = 0;
+    int asked = 0;
+  };
+  const auto is_over = [](const void* context) {
+    auto& questions = *static_cast<Questions*>(const_cast<void*>(context));
+    return ++questions.asked > questions.left;
+  };
+  int before = 0;
+  for (int left = 0; left < 1000; left += 7) {
+    MatchBench bench;  // each the same
+    ASSERT_EQ(bench.reference().rebuild({&placed, 1}), Errc::kOk);
+    Questions questions{.left = left};
+    const MatchResult result = bench.match(elsewhere, {}, Deadline(is_over, &questions)).value();
+    EXPECT_LE(result.evaluations, before + kAnswer) << left;
+    EXPECT_TRUE(result.covariance.allFinite());
+    if (questions.asked <= left) {
+      EXPECT_GT(left, 200);
+      return;  // it never was over
+    }
+    before = result.evaluations;
+  }
+  FAIL() << "asks for ever";
+}
+
 TEST(NdtMatcher, SameSeedSameBits) {
   const SimulatedScene room = cluttered_room();
   Rng rng(10);

@@ -50,5 +50,24 @@ TEST(NelderMead, KeepsItsBudgetAndNeverEndsLowerThanItBegan) {
   }
 }
 
+TEST(NelderMead, AsksItsDeadlineBeforeTheFirstStepAndEveryEight) {
+  for (int questions = 0; questions < 4; ++questions) {
+    int calls = 0;
+    int left = questions;
+    const Deadline deadline([](const void* context) { return (*static_cast<int*>(const_cast<void*>(context)))-- == 0; },
+                            &left);
+    const ScoredPoint best = nelder_mead(
+        {{}, 0.5}, kSize, 1000,
+        [&](const SearchPoint& p) {
+          ++calls;
+          return 0.4 - p[0];
+        },
+        deadline);
+    EXPECT_GE(calls, 3 + questions * 8);
+    EXPECT_LE(calls, 3 + questions * 8 * 5);
+    EXPECT_GE(best.score, 0.5);
+  }
+}
+
 }  // namespace
 }  // namespace odoless

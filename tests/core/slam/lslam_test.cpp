@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "tests/support/simulated_room.hpp"
@@ -256,8 +257,44 @@ TEST(Lslam, GivesUpAtTheDeadlineWhatItHasNotWeighedOrMapped) {
     const UpdateReport report = lslam.update(room.motion(), room.scan(), deadline.view());
     EXPECT_EQ(report.unweighed_particles, std::max(0, params.particles - 1 - asked));
     EXPECT_TRUE(report.resampled || asked >= params.particles - 1);
+    EXPECT_EQ(report.thinly_mapped_particles, 1);
     EXPECT_LE(report.unmapped_particles, params.particles - 1);
     EXPECT_EQ(lslam.particles(), params.particles);
+  }
+}
+
+/// Once around, everything is 3.02 m away: the ends of two beams lie in different cells.
+ScanFrame circle() {
+  const std::vector<float> ranges_m(360, 3.02F);
+  ScanFrame scan(ScanParams{});
+  EXPECT_EQ(scan.assign({.angle_step_rad = std::numbers::pi / 180.0, .ranges_m = ranges_m}), Errc::kOk);
+  return scan;
+}
+
+TEST(Lslam, MapsAnEvenChoiceOfTheBeamsThatAreLeftAtTheDeadline) {
+  LslamParams params = room_filter();
+  params.particles = 1;
+  const ScanFrame scan = circle();
+  for (const int asked : {0, 1, 3, 5, 6}) {
+    Lslam lslam(params, 1);
+    const AskedOften deadline(asked);
+    const UpdateReport report = lslam.update({}, scan, deadline.view());
+    EXPECT_EQ(report.thinly_mapped_particles, asked < 6 ? 1 : 0);
+    AncestryGrid::View map = lslam.map(0);
+    const auto is_mapped = [&](int beam) {
+      const Point2 end = lslam.geometry().cells(scan.point(beam).x_m, scan.point(beam).y_m);
+      return map.at({static_cast<int>(std::floor(end.x_m)), static_cast<int>(std::floor(end.y_m))}).hits() > 0;
+    };
+    int mapped = 0;
+    int gap = 0;
+    for (int beam = 0, missing = 0; beam < scan.size(); ++beam) {
+      mapped += is_mapped(beam) ? 1 : 0;
+      missing = is_mapped(beam) ? 0 : missing + 1;
+      gap = std::max(gap, missing);
+    }
+    EXPECT_GE(mapped, std::min(360, 64 * asked + 32));
+    EXPECT_LE(mapped, 64 * asked + 64 + 4) << "two ends in one cell";
+    EXPECT_LT(gap, std::max(1, (360 - 64 * asked + 63) / 64));
   }
 }
 

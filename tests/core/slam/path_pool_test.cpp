@@ -119,6 +119,40 @@ TEST(PathPool, ThinsThePastWhenItIsFull) {
   }
 }
 
+// A pool of many times what an update may append is thinned, and a long path that is lost given back, over many
+// updates.
+TEST(PathPool, ThinsAndGivesBackALittlePerUpdate) {
+  constexpr int kRecords = 3000;
+  constexpr int kLooks = 16 * 2;  // per particle that may append
+  PathPool pool(kRecords, 2);
+  pool.next_update();
+  pool.append(0, pose_of(0, 0));
+  pool.branch(std::vector<int>{2});
+  int update = 1;
+  const auto step = [&] {
+    const std::int64_t before = pool.thinned();
+    pool.next_update();
+    EXPECT_LE(pool.thinned() - before, kLooks);
+    pool.append(0, pose_of(update, 0));
+    pool.append(1, pose_of(update++, 1));
+  };
+  while (pool.thinned() == 0) {
+    step();
+  }
+  EXPECT_GT(pool.records_used(), kRecords * 7 / 8 - kLooks);
+  for (int i = 0; i < 200; ++i) {
+    step();
+  }
+  const int full = pool.records_used();
+  pool.retain(std::vector<int>{0, 2});
+  EXPECT_GE(pool.records_used(), full - kLooks);
+  pool.branch(std::vector<int>{0, 2});
+  for (int i = 0; i < 200; ++i) {
+    step();
+  }
+  EXPECT_LT(pool.records_used(), full / 2 + 500);
+}
+
 TEST(PathPool, ThinsOldRecordsMoreThanNewOnes) {
   Rng rng(1);
   PathsTwice paths(64, 1);
