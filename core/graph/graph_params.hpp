@@ -7,15 +7,21 @@ namespace odoless {
 
 /// What submaps are matched against: as the odometry's local map, but larger, and coarse enough for points from a few
 /// metres of travel. Free space contradicts a wrong loop closure [study of 2026: without it 11 wrong ones of 441].
-[[nodiscard]] inline ReferenceParams submap_reference_params() {
-  ReferenceParams params;
-  params.ndt.cell_size_m = 0.5;
-  params.ndt.extent_m = 29.0;
-  params.free_every = 3;
-  params.wide_cell_size_m = 0.0;
-  params.fine.extent_m = params.coarse.extent_m = 25.0;
-  return params;
-}
+struct SubmapReferenceParams : ReferenceParams {
+  SubmapReferenceParams() {
+    ndt.cell_size_m = 0.5;
+    ndt.extent_m = 29.0;
+    free_every = 3;
+    wide_cell_size_m = 0.0;  // no match is tried again
+    fine.extent_m = coarse.extent_m = 25.0;
+  }
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    describe_common(self, visit);
+    describe_many_scans(self, visit);
+  }
+};
 
 /// The pose graph of submaps.
 struct GraphParams {
@@ -32,7 +38,7 @@ struct GraphParams {
   int candidates = 24;
   int references = 3;
   int reference_points_max = 24000;
-  ReferenceParams reference = submap_reference_params();
+  SubmapReferenceParams reference;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {

@@ -20,11 +20,16 @@ struct ReferenceParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
+    describe_common(self, visit);
+    describe_second_try(self, visit);
+    describe_many_scans(self, visit);
+  }
+  /// Of every reference.
+  template <class Self, class Visitor>
+  static void describe_common(Self& self, Visitor& visit) {
     visit.group("ndt", self.ndt, "The Normal Distributions Transform that the last step climbs.");
     visit.group("fine", self.fine, "Raster that the second half of the search looks up.");
     visit.group("coarse", self.coarse, "Blurred raster that the first half of the search looks up.");
-    visit.value("wide_cell_size_m", self.wide_cell_size_m, Range{0.0, 20.0},
-                "Side of an NDT cell when a poor match is tried again; 0: the blurred raster serves.");
     visit.value("thinning_m", self.thinning_m, Range{0.0, 1.0},
                 "Arc length per point, so that near walls do not outvote the rest; 0 keeps all.");
     visit.value("free_margin_m", self.free_margin_m, Range{0.0, 2.0},
@@ -32,8 +37,25 @@ struct ReferenceParams {
     visit.value("free_penalty", self.free_penalty, Range{0.0, 1.0},
                 "What a point loses where the reference saw through; in the fine raster alone, since it hinders the "
                 "coarse search.");
+  }
+  template <class Self, class Visitor>
+  static void describe_second_try(Self& self, Visitor& visit) {
+    visit.value("wide_cell_size_m", self.wide_cell_size_m, Range{0.0, 20.0},
+                "Side of an NDT cell when a poor match is tried again; 0: the blurred raster serves.");
+  }
+  template <class Self, class Visitor>
+  static void describe_many_scans(Self& self, Visitor& visit) {
     visit.value("free_every", self.free_every, Range{1, 100},
                 "One scan in so many marks free space; where scans overlap, the others mark the same.");
+  }
+};
+
+/// A reference of one scan.
+struct ScanReferenceParams : ReferenceParams {
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    describe_common(self, visit);
+    describe_second_try(self, visit);
   }
 };
 
@@ -50,7 +72,6 @@ struct SearchParams {
   double spread_m = 0.5;
   double angle_floor = 0.02;
   int simplex_steps = 60;
-  double probe_m = 1.5;
   DeParams de{};
 
   template <class Self, class Visitor>
@@ -72,8 +93,6 @@ struct SearchParams {
     visit.value("angle_floor", self.angle_floor, Range{0.0, 1.0},
                 "Share of the start angles that ignore the orientation histograms; 1: all are spread evenly.");
     visit.value("simplex_steps", self.simplex_steps, Range{0, 1000}, "Steps of the downhill simplex after the search.");
-    visit.value("probe_m", self.probe_m, Range{0.0, 20.0},
-                "How far other peaks are sought along the weakest direction.");
     visit.group("de", self.de, "Differential Evolution.");
   }
 };
@@ -81,7 +100,7 @@ struct SearchParams {
 /// The matcher's whole setting.
 struct MatcherParams {
   int points_max = 2048;
-  ReferenceParams reference{};
+  ScanReferenceParams reference{};
   SearchParams search{};
   SearchParams retry{.box_translation_m = 4.0,
                      .box_rotation_rad = 3.1416,
@@ -89,6 +108,7 @@ struct MatcherParams {
                      .expected_share = 0.0,
                      .coarse_evaluations = 1200,
                      .fine_evaluations = 900};
+  double probe_m = 1.5;
   int refine_steps = 12;
   double score_min = 0.2;
   double prior_weight = 0.1;
@@ -101,6 +121,8 @@ struct MatcherParams {
     visit.group("reference", self.reference, "What a reference is made into.");
     visit.group("search", self.search, "The search that every scan gets.");
     visit.group("retry", self.retry, "The wider search that a poor match gets, with wide cells.");
+    visit.value("probe_m", self.probe_m, Range{0.0, 20.0},
+                "How far from the best pose other peaks are sought along the weakest direction; 0: nowhere.");
     visit.value("refine_steps", self.refine_steps, Range{1, 100}, "Most Newton steps on the exact score.");
     visit.value("score_min", self.score_min, Range{0.0, 1.0},
                 "A match whose mean score per point is below is poor: it is retried, and not called converged unless "

@@ -27,7 +27,7 @@ MatcherParams seed_matcher_params() {
   params.search.exact = true;
   params.search.angle_floor = 1.0;
   params.search.simplex_steps = 0;
-  params.search.probe_m = 0.0;
+  params.probe_m = 0.0;
   params.search.de = {.population = 100, .strategy = DeStrategy::kRand1Bin};
   params.refine_steps = 1;
   params.score_min = 0.0;
@@ -111,14 +111,14 @@ SearchOutcome NdtMatcher::search(const SearchGround& ground, MatchReference& ref
 }
 
 void NdtMatcher::probe(const SearchGround& ground, SearchOutcome& outcome, Point2 direction) const {
-  if (params_.search.probe_m == 0.0 || ground.deadline.expired()) {
+  if (params_.probe_m == 0.0 || ground.deadline.expired()) {
     return;
   }
   const SearchPoint best = outcome.peaks.best().point;
   for (const double sign : {-1.0, 1.0}) {
     SearchPoint start = best;
-    start[0] += sign * params_.search.probe_m * direction.x_m;
-    start[1] += sign * params_.search.probe_m * direction.y_m;
+    start[0] += sign * params_.probe_m * direction.x_m;
+    start[1] += sign * params_.probe_m * direction.y_m;
     outcome.peaks.offer(PoseSearch::climb(ground, scan_.points, start, kProbe_steps, outcome.evaluations));
   }
 }

@@ -15,9 +15,8 @@ struct TrackingParams {
   double sure_probability = 0.9;
   double map_probability = 0.5;
   double lost_probability = 0.8;
-  double leap_m = 0.3;
-  double leap_rad = 0.3;
-  double leap_ratio = 2.0;
+  double leap_m = 0.6;
+  double leap_rad = 0.6;
   int updates_min = 20;
 
   template <class Self, class Visitor>
@@ -35,10 +34,9 @@ struct TrackingParams {
     visit.value("lost_probability", self.lost_probability, Range{0.5, 1.0},
                 "Tracking is lost where it broke off with at least this probability.");
     visit.value("leap_m", self.leap_m, Range{0.0, 10.0},
-                "Where steps from scan to scan are usually larger than this times leap_ratio, scans are too far apart "
-                "to tell a robot that is lost.");
+                "Where steps from scan to scan are usually larger than this, scans are too far apart to tell a robot "
+                "that is lost.");
     visit.value("leap_rad", self.leap_rad, Range{0.0, 3.2}, "The same of a turn.");
-    visit.value("leap_ratio", self.leap_ratio, Range{1.0, 100.0}, "Factor of both.");
     visit.value("updates_min", self.updates_min, Range{1, 1'000'000},
                 "Updates of the filter before which its map is too small to be lost in.");
   }

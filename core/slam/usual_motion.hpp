@@ -25,9 +25,7 @@ class UsualMotion {
   }
 
   /// Whether scans follow each other so closely that one which matches or fits badly is news.
-  [[nodiscard]] bool is_dense() const {
-    return step_m_ <= params_.leap_ratio * params_.leap_m && step_rad_ <= params_.leap_ratio * params_.leap_rad;
-  }
+  [[nodiscard]] bool is_dense() const { return step_m_ <= params_.leap_m && step_rad_ <= params_.leap_rad; }
 
  private:
   TrackingParams params_;

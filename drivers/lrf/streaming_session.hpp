@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "drivers/io/device_address.hpp"
 #include "drivers/lrf/lrf_params.hpp"
@@ -12,11 +14,13 @@ namespace odoless {
 /// What the sessions of all protocols share: the bring-up until the device streams, the stream until it stalls or ends,
 /// and the bring-up again.
 ///
-/// `Stream` makes scans of what the protocol received; `BringUp` leads the device to it.
+/// `Stream` makes scans of what the protocol received; `BringUp`, which has BringUpSteps, leads the device to it.
 template <class Stream, class BringUp>
 class StreamingSession : public LrfSession {
  public:
   void reset(std::int64_t now_ns) final { start_over(now_ns, false); }
+
+  [[nodiscard]] std::span<const std::byte> transmit() final { return bring_up_.take_request(); }
 
   [[nodiscard]] std::int64_t next_deadline_ns() const final {
     return ready() ? last_scan_ns_ + std::max(stall_timeout_ns_, 3 * geometry().period_ns) : bring_up_.deadline_ns();

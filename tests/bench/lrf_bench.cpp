@@ -18,9 +18,43 @@ class Count final : public LrfSink {
   std::int64_t scans = 0;
 };
 
-/// CPU time of one piece of a stream, bytes to ranges and stamps. Streamed time over CPU time above 100 is under 1 % of
-/// a core.
-void stream_for_a_while(benchmark::State& state, const std::string& model, const LrfParams& params) {
+/// A laser at its full rate, as robot files set it.
+struct Streamed {
+  const char* model;
+  LrfParams params;
+};
+
+LrfParams params_of(LrfDriver driver, int beams = 720) {
+  LrfParams params;
+  params.driver = driver;
+  params.rplidar_beams = params.ldrobot_beams = params.ydlidar_beams = beams;
+  return params;
+}
+
+std::vector<Streamed> lasers() {
+  LrfParams sick = params_of(LrfDriver::kSick);
+  sick.baud = 500000;
+  LrfParams time_of_flight = params_of(LrfDriver::kYdlidar, 1800);
+  time_of_flight.ydlidar_ranging = LrfRanging::kTimeOfFlight;
+  return {{"lms291", sick},                                      // 361 beams at 37.5 Hz
+          {"rplidar-a1-1.16", params_of(LrfDriver::kRplidar)},   // nodes
+          {"rplidar-a1-1.20", params_of(LrfDriver::kRplidar)},   // express
+          {"rplidar-a3", params_of(LrfDriver::kRplidar, 1600)},  // ultra, 15900 points a second
+          {"rplidar-s2", params_of(LrfDriver::kRplidar, 1800)},  // dense, 32000 points a second
+          {"rplidar-s3", params_of(LrfDriver::kRplidar, 1800)},  // ultra-dense
+          {"ld06", params_of(LrfDriver::kLdrobot)},
+          {"stl-27l", params_of(LrfDriver::kLdrobot, 2000)},  // 21600 points a second
+          {"ydlidar-tg30", time_of_flight},                   // 20000 points a second
+          {"lms111", params_of(LrfDriver::kSopas)},           // 541 beams at 50 Hz, binary
+          {"tim551", params_of(LrfDriver::kSopas)},           // text
+          {"csv", params_of(LrfDriver::kCsv)}};
+}
+
+/// CPU time of one piece of a stream, bytes to ranges and stamps. Streamed time over CPU time of 2000 is 0.05 % of a
+/// core.
+void BM_LaserStream(benchmark::State& state) {
+  const auto [model, params] = lasers()[static_cast<std::size_t>(state.range(0))];
+  state.SetLabel(model);
   std::vector<std::string> pieces;
   test::Bench bench(model, {}, params);
   bench.reset();
@@ -42,77 +76,7 @@ void stream_for_a_while(benchmark::State& state, const std::string& model, const
   state.counters["streamed_per_cpu"] = benchmark::Counter(streamed_s, benchmark::Counter::kIsRate);
   state.counters["scans_per_s"] = static_cast<double>(sink.scans) / streamed_s;
 }
-
-// 361 beams at 37.5 Hz.
-void BM_SickStream(benchmark::State& state) {
-  LrfParams params;
-  params.driver = LrfDriver::kSick;
-  params.baud = 500000;
-  stream_for_a_while(state, "lms291", params);
-}
-BENCHMARK(BM_SickStream)->Unit(benchmark::kMicrosecond);
-
-// 4000 points a second, with sums.
-void BM_RplidarExpressStream(benchmark::State& state) {
-  LrfParams params;
-  params.driver = LrfDriver::kRplidar;
-  params.rplidar_scan = RplidarScan::kExpress;
-  stream_for_a_while(state, "rplidar-a2", params);
-}
-BENCHMARK(BM_RplidarExpressStream)->Unit(benchmark::kMicrosecond);
-
-void BM_RplidarStandardStream(benchmark::State& state) {
-  LrfParams params;
-  params.driver = LrfDriver::kRplidar;
-  params.rplidar_scan = RplidarScan::kStandard;
-  stream_for_a_while(state, "rplidar-a2", params);
-}
-BENCHMARK(BM_RplidarStandardStream)->Unit(benchmark::kMicrosecond);
-
-// 15900 points a second by their differences, as 1600 beams.
-void BM_RplidarUltraStream(benchmark::State& state) {
-  LrfParams params;
-  params.driver = LrfDriver::kRplidar;
-  params.rplidar_beams = 1600;
-  stream_for_a_while(state, "rplidar-a3", params);
-}
-BENCHMARK(BM_RplidarUltraStream)->Unit(benchmark::kMicrosecond);
-
-// 32000 points a second, as 1800 beams.
-void BM_RplidarDenseStream(benchmark::State& state) {
-  LrfParams params;
-  params.driver = LrfDriver::kRplidar;
-  params.rplidar_beams = 1800;
-  stream_for_a_while(state, "rplidar-s2", params);
-}
-BENCHMARK(BM_RplidarDenseStream)->Unit(benchmark::kMicrosecond);
-
-// 4500 points a second.
-void BM_LdrobotStream(benchmark::State& state) {
-  LrfParams params;
-  params.driver = LrfDriver::kLdrobot;
-  stream_for_a_while(state, "ld06", params);
-}
-BENCHMARK(BM_LdrobotStream)->Unit(benchmark::kMicrosecond);
-
-// 21600 points a second, as 2000 beams.
-void BM_LdrobotQuickStream(benchmark::State& state) {
-  LrfParams params;
-  params.driver = LrfDriver::kLdrobot;
-  params.ldrobot_beams = 2000;
-  stream_for_a_while(state, "stl-27l", params);
-}
-BENCHMARK(BM_LdrobotQuickStream)->Unit(benchmark::kMicrosecond);
-
-// 20000 points a second, as 1800 beams.
-void BM_YdlidarQuickStream(benchmark::State& state) {
-  LrfParams params;
-  params.driver = LrfDriver::kYdlidar;
-  params.ydlidar_beams = 1800;
-  params.ydlidar_ranging = LrfRanging::kTimeOfFlight;
-  stream_for_a_while(state, "ydlidar-tg30", params);
-}
-BENCHMARK(BM_YdlidarQuickStream)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_LaserStream)->DenseRange(0, static_cast<int>(lasers().size()) - 1)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace odoless

@@ -30,6 +30,7 @@ TEST(FileUnits, KnowTheSymbol) {
   EXPECT_EQ(unit_symbol("matcher.cell_size_m"), "m");
   EXPECT_EQ(unit_symbol("speed_mps"), "m/s");
   EXPECT_EQ(unit_symbol("area_m2"), "m²");
+  EXPECT_EQ(unit_symbol("information_1_m2"), "1/m²");
   EXPECT_EQ(unit_symbol("noise_rad_per_m"), "1/m");
   EXPECT_EQ(unit_symbol("particles"), "");
 }

@@ -4,6 +4,8 @@
 """
 
 import collections
+import concurrent.futures
+import itertools
 import json
 import math
 import os
@@ -122,21 +124,37 @@ class Relay(threading.Thread):
                         self.forger.sendto(other, (GROUP, self.to_port))
 
 
-class SplitTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = folder.name
-        cls.log = cls.path("rooms.log")
-        subprocess.run(program("odoless", "sim", WORLD, *LASER, "--out", cls.log), check=True, stdout=subprocess.DEVNULL)
-        cls.interrupted = cls.path("interrupted.log")
-        interrupt(cls.log, cls.interrupted)
-        cls.port = 20000 + os.getpid() % 20000
+class Runs:
+    """Replays at their pace, two at a time, for they mostly wait: each in whole, or in two halves."""
 
-    @classmethod
-    def path(cls, name):
-        return os.path.join(cls.folder, name)
+    def __init__(self, folder):
+        self.folder = folder
+        self.processes = []
+        self.ports = itertools.count(20000 + os.getpid() % 20000, 2)  # relays go on until the end
+        self.pool = concurrent.futures.ThreadPoolExecutor(2)
+        self.begun = {}
+        self.log, self.interrupted = self.path("rooms.log"), self.path("interrupted.log")
+        subprocess.run(program("odoless", "sim", WORLD, *LASER, "--out", self.log), check=True, stdout=subprocess.DEVNULL)
+        interrupt(self.log, self.interrupted)
+
+    def begin(self, name, run, *arguments):
+        self.begun[name] = self.pool.submit(run, name, *arguments)
+
+    def of(self, name):
+        """Waits until it is over. Returns its relay, if it has one."""
+        return self.begun[name].result()
+
+    def end(self):
+        """Of all, also where a test has failed."""
+        for run in self.begun.values():
+            run.cancel()
+        for process in self.processes:
+            if process.poll() is None:
+                process.kill()
+        self.pool.shutdown()
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
 
     def config(self, name, **tables):
         # No budget and no queue is to change what comes out: the machine may be slow.
@@ -149,33 +167,31 @@ class SplitTest(unittest.TestCase):
         return self.path(name + ".toml")
 
     def daemon(self, name, config, *more):
-        log = open(self.path(name + ".txt"), "w", encoding="utf-8")
-        self.addCleanup(log.close)
-        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notified:  # as its service manager would
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notified, \
+             open(self.path(name + ".txt"), "w", encoding="utf-8") as log:  # as its service manager would
             notified.settimeout(60)
             notified.bind(self.path(name + ".notify"))
             process = subprocess.Popen(program("odolessd", "--config", config, "--out", self.path(name), *more), stderr=log,
                                        env=os.environ | {"NOTIFY_SOCKET": self.path(name + ".notify")})
-            self.addCleanup(lambda: process.poll() is not None or process.kill())
+            self.processes.append(process)
             while b"READY=1" not in notified.recv(4096):
                 pass
         return process
 
-    def wait_until(self, name, holds):
-        """Until this daemon does so."""
-        end = time.monotonic() + 60
-        while not holds():
-            self.assertLess(time.monotonic(), end, f"{name}: did not happen in time")
-            time.sleep(0.05)
-
-    def wait_until_idle(self, name, process):
-        """Until nothing waits in its queues: in half a second it uses less than a tenth of a core."""
+    def finish_idle(self, name, process):
+        """Ends it when no scans come and nothing waits in its queues: in half a second it uses less than a tenth of a core."""
         def has_paused():
             before_s = self.cpu_s(process)
             time.sleep(0.5)
             return self.cpu_s(process) - before_s < 0.05
 
-        self.wait_until(name, has_paused)
+        for holds in (lambda: self.says(name, "no scans"), has_paused):
+            end = time.monotonic() + 60
+            while not holds():
+                assert time.monotonic() < end, f"{name}: did not happen in time"
+                time.sleep(0.05)
+        process.send_signal(signal.SIGTERM)
+        self.finish(name, process)
 
     @staticmethod
     def cpu_s(process):
@@ -187,32 +203,23 @@ class SplitTest(unittest.TestCase):
         with open(self.path(name + ".txt"), encoding="utf-8") as log:
             return what in log.read()
 
-    def finish(self, name, process, signal_number=None):
-        if signal_number is not None:
-            process.send_signal(signal_number)
-        status = process.wait(timeout=60)
+    def finish(self, name, process):
+        status = process.wait(timeout=90)
         with open(self.path(name + ".txt"), encoding="utf-8") as log:
-            self.assertEqual(status, 0, log.read())
+            assert status == 0, f"{name} ended with {status}: {log.read()}"
 
     def summary(self, name):
         with open(self.path(name + "/latest/summary.json"), encoding="utf-8") as file:
             return json.load(file)
 
-    def run_whole(self, name, log):
+    def whole(self, name, log):
         """A log at its pace through one process."""
         config = self.config(name, lcm={"url": ""}, recorder={"path": self.path(name + "_recorded")})
         self.finish(name, self.daemon(name, config, "--replay", log, "--rate", RATE))
 
-    def whole(self):
-        """Once for all tests."""
-        if not os.path.exists(self.path("whole")):
-            self.run_whole("whole", self.log)
-        return poses(self.path("whole/latest/trajectory_online.tum"))
-
-    def split(self, name, log, dropped_share, forges=False):
+    def split(self, name, log, dropped_share=0.0, forges=False):
         """The same through two processes, with a relay between them if some are to be dropped."""
-        from_port = to_port = self.port
-        SplitTest.port += 2  # relays go on until the end
+        from_port = to_port = next(self.ports)
         relay = None
         if dropped_share > 0.0 or forges:
             to_port = from_port + 1
@@ -222,18 +229,48 @@ class SplitTest(unittest.TestCase):
         before = self.daemon(name + "_front", self.config(name + "_front", lcm={"url": url(from_port)}),
                              "--stages", "sensor,matcher", "--replay", log, "--rate", RATE)
         self.finish(name + "_front", before)
-        self.wait_until(name, lambda: self.says(name, "no scans"))
-        self.wait_until_idle(name, after)
-        self.finish(name, after, signal.SIGTERM)
+        self.finish_idle(name, after)
         return relay
 
+    def played(self, name, player, recorded_by):
+        """What another has recorded of its scans, to a daemon that has no laser of its own."""
+        self.of(recorded_by)
+        lcm_url = url(next(self.ports))
+        daemon = self.daemon(name, self.config(name, lcm={"url": lcm_url}, lrf={"driver": "lcm", "channel": "ODOLESS_SCAN"}))
+        subprocess.run([player, "--lcm-url=" + lcm_url + "?ttl=0", "--regexp=ODOLESS_SCAN",
+                        self.path(recorded_by + "_recorded.00000.lcm")], check=True, timeout=120, stdout=subprocess.DEVNULL)
+        self.finish_idle(name, daemon)
+
+
+class SplitTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.runs = runs = Runs(folder.name)
+        cls.addClassCleanup(runs.end)
+        cls.path, cls.says, cls.summary = runs.path, runs.says, runs.summary
+        cls.player = shutil.which("lcm-logplayer")
+        # In this order each two are about as long, and no two relays run at a time.
+        runs.begin("whole", runs.whole, runs.log)
+        runs.begin("undivided", runs.whole, runs.interrupted)
+        runs.begin("lossless", runs.split, runs.interrupted)
+        runs.begin("lossy", runs.split, runs.log, 0.05)
+        if cls.player is not None:
+            runs.begin("played", runs.played, cls.player, "undivided")
+        runs.begin("forged", runs.split, runs.log, 0.0, True)
+
+    def online(self, name):
+        self.runs.of(name)
+        return poses(self.path(name + "/latest/trajectory_online.tum"))
+
     def test_two_halves_are_the_whole_through_a_gap_and_a_jolt_when_nothing_is_lost(self):
-        self.run_whole("undivided", self.interrupted)
+        self.runs.of("undivided")
         motions = [MOTION.unpack(message[:MOTION.size])
                    for message in recorded(self.path("undivided_recorded.00000.lcm"), "ODOLESS_MOTION")]
         self.assertEqual(sum(duration_ns > 1e9 for _, _, _, duration_ns, *_ in motions), 1, "the log has a gap")
         self.assertGreater(sum(motion[-1] & JOLTED != 0 for motion in motions), 0, "and a jolt")
-        self.split("lossless", self.interrupted, 0.0)
+        self.runs.of("lossless")
         self.assertEqual(self.summary("lossless")["datagrams_lost"], 0)
         for name in ("undivided", "lossless"):
             self.assertTrue(self.says(name, "LOST"), name)
@@ -243,11 +280,10 @@ class SplitTest(unittest.TestCase):
         self.assertGreater(len(poses(self.path("undivided/latest/trajectory_online.tum"))), 300)
 
     def test_lost_datagrams_cost_little(self):
-        whole = self.whole()
-        relay = self.split("lossy", self.log, 0.05)
+        whole, lossy = self.online("whole"), self.online("lossy")
+        relay = self.runs.of("lossy")
         self.assertGreater(relay.dropped, 20)
         self.assertGreater(self.summary("lossy")["datagrams_lost"], 10)
-        lossy = poses(self.path("lossy/latest/trajectory_online.tum"))
         self.assertGreater(len(lossy), 0.98 * len(whole))  # the rest came when it was sent again
         off_m = max(math.dist(lossy[stamp], whole[stamp]) for stamp in lossy)
         answer = subprocess.run(program("odoless", "eval", "ate", self.path("whole/latest/trajectory_online.tum"),
@@ -260,28 +296,19 @@ class SplitTest(unittest.TestCase):
         self.assertLess(aligned_m["rmse"], 0.02)
 
     def test_forged_motions_are_refused_and_said(self):
-        whole = self.whole()
-        self.split("forged", self.log, 0.0, forges=True)
+        whole, forged_at = self.online("whole"), self.online("forged")
         self.assertGreater(self.summary("forged")["motions_refused"], 4 * len(whole))
         self.assertIn("motions of the matcher elsewhere are refused", self.summary("forged")["latched_reasons"])
-        forged_at = poses(self.path("forged/latest/trajectory_online.tum"))
         self.assertGreater(len(forged_at), 0.98 * len(whole))
         self.assertLess(max(math.dist(forged_at[stamp], whole[stamp]) for stamp in forged_at), 0.05)
 
     def test_a_played_log_drives_the_daemon_to_the_same_map(self):
-        player = shutil.which("lcm-logplayer")
-        if player is None:
+        if self.player is None:
             self.skipTest("lcm-logplayer is missing (Debian's liblcm-bin)")
-        self.whole()
-        config = self.config("played", lcm={"url": url(self.port)}, lrf={"driver": "lcm", "channel": "ODOLESS_SCAN"})
-        played = self.daemon("played", config)
-        subprocess.run([player, "--lcm-url=" + url(self.port) + "?ttl=0", "--regexp=ODOLESS_SCAN",
-                        self.path("whole_recorded.00000.lcm")], check=True, timeout=120, stdout=subprocess.DEVNULL)
-        self.wait_until("played", lambda: self.says("played", "no scans"))
-        self.wait_until_idle("played", played)
-        self.finish("played", played, signal.SIGTERM)
+        self.runs.of("undivided")
+        self.runs.of("played")
         for name in ("trajectory.tum", "map.pgm"):
-            with open(self.path("whole/latest/" + name), "rb") as one, open(self.path("played/latest/" + name), "rb") as two:
+            with open(self.path("undivided/latest/" + name), "rb") as one, open(self.path("played/latest/" + name), "rb") as two:
                 self.assertEqual(one.read(), two.read(), name)
 
 

@@ -29,6 +29,8 @@ class KeepingSink final : public ScanSink {
   void on_scan(const RawScan& scan) override {
     ++scans;
     stamps_ns.push_back(scan.stamp_ns);
+    first_angle_rad = scan.start_angle_rad;
+    last_angle_rad = scan.start_angle_rad + static_cast<double>(scan.ranges_m.size() - 1) * scan.angle_step_rad;
   }
   void on_motion(const Motion& /*motion*/) override {}
   void on_raw(RawLine /*line*/, std::span<const std::byte> /*bytes*/, bool /*to_device*/) override {}
@@ -44,6 +46,8 @@ class KeepingSink final : public ScanSink {
 
   int scans = 0;
   std::vector<std::int64_t> stamps_ns;
+  double first_angle_rad = 0.0;  ///< of the last scan
+  double last_angle_rad = 0.0;
   std::vector<std::string> told;
 };
 

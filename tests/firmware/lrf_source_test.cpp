@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <string>
 
 #include "tests/firmware/lrf_bench.hpp"
@@ -30,6 +31,20 @@ TEST(LrfSource, NothingArrivesBeforeItWasSentHoweverItsThreadIsHeldUp) {
   ASSERT_GT(bench.heard.stamps_ns.size(), scans + 50);
   for (std::size_t i = scans; i < bench.heard.stamps_ns.size(); ++i) {
     ASSERT_GE(bench.heard.stamps_ns[i] - laser.sent_ns[i], usual_ns - 5 * kMs) << i;  // a step of the bench
+  }
+}
+
+TEST(LrfSource, MirrorsTheScansOfALaserThatHangsUpsideDown) {
+  for (const bool is_upside_down : {false, true}) {
+    SlowSick laser;
+    LrfParams params = sick_params();
+    params.upside_down = is_upside_down;
+    Bench bench(laser, params);
+    bench.run(40 * kSecond);
+    ASSERT_GT(bench.heard.scans, 0);
+    const double left_rad = 0.5 * std::numbers::pi;  // its last beam, where it stands
+    EXPECT_NEAR(bench.heard.first_angle_rad, is_upside_down ? left_rad : -left_rad, 1e-6);
+    EXPECT_NEAR(bench.heard.last_angle_rad, is_upside_down ? -left_rad : left_rad, 1e-6);
   }
 }
 

@@ -259,6 +259,35 @@ TEST(RplidarSession, HuntsForTheRateOfASilentDevice) {
   EXPECT_EQ(heard.count(LrfEventType::kLost), 1) << "silence is told once";
 }
 
+/// How often the device is asked for the packets of a mode, where something stops it 2 s into its stream; its
+/// information goes through `on_the_way`.
+int lists_asked(const std::function<void(std::string&)>& on_the_way) {
+  Bench bench("rplidar-a3", {.faults = {parse_fault("silence@2:1")}}, rplidar_params());
+  bench.on_the_way = on_the_way;
+  bench.reset();
+  bench.run(6 * kSecond);
+  EXPECT_TRUE(bench.session().ready());
+  EXPECT_EQ(bench.heard().count(LrfEventType::kReady), 2);
+  const std::string question("\xA5\x84\x06\x75\0\0\0", 7);
+  int found = 0;
+  for (std::size_t at = bench.written().find(question); at != std::string::npos;
+       at = bench.written().find(question, at + 1)) {
+    ++found;
+  }
+  return found;
+}
+
+TEST(RplidarSession, AsksADeviceOnceWhichModesItHasAndAnotherDeviceAnew) {
+  EXPECT_EQ(lists_asked([](std::string&) {}), 1);
+  int infos = 0;
+  EXPECT_EQ(lists_asked([&infos](std::string& bytes) {
+              if (bytes.size() == 27 && bytes[6] == 4 && ++infos > 1) {
+                bytes.back() = '2';  // its serial number
+              }
+            }),
+            2);
+}
+
 class RplidarSessionFault : public ::testing::TestWithParam<test::FaultCase> {};
 
 // Two seconds into the stream, a fault; in the end the stream runs again.
@@ -288,7 +317,6 @@ TEST_P(RplidarSessionFault, IsSurvived) {
 
 INSTANTIATE_TEST_SUITE_P(Rplidar, RplidarSessionFault,
                          ::testing::Values(test::FaultCase{"silence@2:1", 22}, test::FaultCase{"garbage@2:1", 22},
-                                           // it is brought up anew, and asked what scans it has
                                            test::FaultCase{"truncate@2:0.2", 6}, test::FaultCase{"reboot@2", 15},
                                            test::FaultCase{"beams@2:0.3", 6}, test::FaultCase{"one-byte@2:1", 2}),
                          test::fault_name);

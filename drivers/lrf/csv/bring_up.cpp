@@ -11,17 +11,17 @@ constexpr int kRefusedToTell = 2;                  ///< of the first line, the b
 
 }  // namespace
 
-BringUp::BringUp(const LrfParams& params, ScanStream& stream) : stream_(stream), line_baud_(params.baud) {}
+BringUp::BringUp(const LrfParams& params, ScanStream& stream) : BringUpSteps(params, stream) {}
 
 void BringUp::start(std::int64_t now_ns, bool /*with_reset*/) {
-  is_done_ = silence_told_ = false;
+  begin();
   refused_ = 0;
   last_.reset();
-  deadline_ns_ = now_ns + kListenNs;
+  wait(Step::kListen, now_ns + kListenNs);
 }
 
 void BringUp::on_line(std::string_view line, std::int64_t now_ns, LrfSink& sink) {
-  const Result<ScanLine> scan = stream_.read(line);
+  const Result<ScanLine> scan = stream().read(line);
   if (!scan.ok()) {
     if (++refused_ == kRefusedToTell) {
       sink.on_event({.type = LrfEventType::kRejected, .reason = scan.error()});
@@ -39,15 +39,13 @@ void BringUp::on_line(std::string_view line, std::int64_t now_ns, LrfSink& sink)
   if (since_s <= 0.0 || since_s > static_cast<double>(kListenNs) * 1e-9) {
     return;
   }
-  stream_.configure(scan.value(), std::llround(since_s * 1e9));
-  is_done_ = true;
+  stream().configure(scan.value(), std::llround(since_s * 1e9));
+  finish();
 }
 
 void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
-  if (!std::exchange(silence_told_, true)) {
-    sink.on_event({.type = LrfEventType::kLost, .reason = Errc::kDeviceSilent});
-  }
-  deadline_ns_ = now_ns + kListenNs;
+  tell_silence(sink);
+  wait(Step::kListen, now_ns + kListenNs);
 }
 
 }  // namespace odoless::csv

@@ -16,7 +16,6 @@ class CsvSession final : public StreamingSession<csv::ScanStream, csv::BringUp> 
   CsvSession(const LrfParams& params, int beams_max);
 
   void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, LrfSink& sink) override;
-  [[nodiscard]] std::span<const std::byte> transmit() override { return {}; }
 
  private:
   void forget_received() override { reader_.clear(); }

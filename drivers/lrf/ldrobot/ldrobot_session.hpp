@@ -14,8 +14,6 @@ class LdrobotSession final : public TurningSession<ldrobot::ScanStream, ldrobot:
  public:
   /// @param beams_max  Most beams of a scan; more in `params` are refused with Errc::kTooManyBeams.
   LdrobotSession(const LrfParams& params, int beams_max) : TurningSession(params, beams_max) {}
-
-  [[nodiscard]] std::span<const std::byte> transmit() override { return {}; }
 };
 
 }  // namespace odoless

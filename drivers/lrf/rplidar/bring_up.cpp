@@ -9,11 +9,8 @@
 namespace odoless::rplidar {
 namespace {
 
-constexpr std::int64_t kQuietNs = 60'000'000;        ///< silence after which a line counts as drained
-constexpr std::int64_t kDrainMaxNs = 1'000'000'000;  ///< then the next step is tried all the same
 constexpr std::int64_t kRebootNs = 1'000'000'000;
 constexpr std::int64_t kMotorNs = 10'000'000;  ///< it doesn't answer
-constexpr std::int64_t kPauseNs = 1'000'000'000;
 constexpr std::array<int, 4> kRatesBaud{115200, 256000, 460800, 1000000};
 
 // What a sample takes where the device doesn't say: the A1's figures.
@@ -53,10 +50,10 @@ Request question(Setting setting, int mode = 0) {
 }  // namespace
 
 BringUp::BringUp(const LrfParams& params, ScanStream& stream)
-    : params_(params), stream_(stream), rate_(params, kRatesBaud) {}
+    : BringUpSteps(params, stream), rate_(params, kRatesBaud) {}
 
 void BringUp::start(std::int64_t now_ns, bool with_reset) {
-  silence_told_ = false;
+  begin();
   enter(with_reset ? Step::kReset : Step::kStop, now_ns);
 }
 
@@ -94,41 +91,21 @@ Request BringUp::request_of(Step step) const {
   return {};
 }
 
-std::span<const std::byte> BringUp::take_request() {
-  return std::exchange(request_waits_, false) ? request_.bytes() : std::span<const std::byte>{};
-}
-
 void BringUp::enter(Step step, std::int64_t now_ns) {
-  step_ = step;
   answer_size_ = 0;
   request_ = request_of(step);
-  request_waits_ = !request_.bytes().empty();
-  drain_end_ns_ = now_ns + kDrainMaxNs;
-  deadline_ns_ = now_ns + (step == Step::kStop    ? kQuietNs
-                           : step == Step::kReset ? kRebootNs
-                           : step == Step::kMotor ? kMotorNs
-                           : step == Step::kPause ? kPauseNs
-                                                  : params_.reply_timeout_ns);
-}
-
-void BringUp::fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink& sink) {
-  const bool is_device_error = reason == Errc::kDeviceStatus;
-  device_errors_ += is_device_error ? 1 : 0;
-  sink.on_event({.type = is_device_error ? LrfEventType::kDeviceError : LrfEventType::kRejected,
-                 .reason = reason,
-                 .device_status = device_status});
-  reset_is_due_ = is_device_error;
-  enter(Step::kPause, now_ns);
-}
-
-void BringUp::tell_silence(LrfSink& sink) {
-  if (!std::exchange(silence_told_, true)) {
-    sink.on_event({.type = LrfEventType::kLost, .reason = Errc::kDeviceSilent});
+  if (step == Step::kStop) {
+    drain(step, now_ns);
+  } else {
+    wait(step, now_ns + (step == Step::kReset   ? kRebootNs
+                         : step == Step::kMotor ? kMotorNs
+                                                : params().reply_timeout_ns));
   }
+  send(request_.bytes());
 }
 
 void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
-  switch (step_) {
+  switch (step()) {
     case Step::kDone:
       return;
     case Step::kStop:
@@ -143,14 +120,14 @@ void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
       return enter(Step::kAskSampleTime, now_ns);
     case Step::kAskSampleTime:
       on_sample_time({});
-      return turn_motor(now_ns);
+      return ask_for_speed(now_ns);
     case Step::kAskModeRange:
     case Step::kAskSpeed:
       return on_setting({}, now_ns, sink);
     case Step::kMotor:
       return enter(Step::kScan, now_ns);
     case Step::kPause:
-      return enter(std::exchange(reset_is_due_, false) ? Step::kReset : Step::kStop, now_ns);
+      return enter(take_reset() ? Step::kReset : Step::kStop, now_ns);
     case Step::kAskHealth:
     case Step::kAskModeAnswer:
     case Step::kScan:  // it answered up to here: it doesn't know that scan
@@ -163,8 +140,10 @@ void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
 
 void BringUp::receive(std::span<const std::byte>& bytes, std::int64_t now_ns, LrfSink& sink) {
   while (!bytes.empty() && !done()) {
-    if (step_ == Step::kStop || step_ == Step::kReset || step_ == Step::kPause || step_ == Step::kMotor) {
-      deadline_ns_ = step_ == Step::kStop ? std::min(now_ns + kQuietNs, drain_end_ns_) : deadline_ns_;
+    if (step() == Step::kStop) {
+      drain_on(now_ns);
+    }
+    if (step() == Step::kStop || step() == Step::kReset || step() == Step::kPause || step() == Step::kMotor) {
       bytes = {};
       return;
     }
@@ -189,12 +168,25 @@ void BringUp::receive(std::span<const std::byte>& bytes, std::int64_t now_ns, Lr
   }
 }
 
+void BringUp::on_info(std::span<const std::byte> data, std::int64_t now_ns) {
+  Info info{};
+  std::copy_n(data.begin(), std::min(data.size(), info.size()), info.begin());
+  is_known_ = is_known_ && info == info_;
+  info_ = info;
+  series_ = static_cast<int>(byte_at(data, 0) >> 4U);
+  enter(Step::kAskHealth, now_ns);
+}
+
 /// Which mode is wished for by its number, or the device's own choice.
 void BringUp::ask_for_mode(std::int64_t now_ns) {
+  if (std::exchange(is_known_, false)) {  // until it streams again
+    return turn_motor(now_ns);
+  }
   has_modes_ = false;
+  told_all_ = true;
   scan_mode_ = {};
-  mode_ = params_.rplidar_scan == RplidarScan::kExpress ? kExpressMode : kStandardMode;
-  enter(params_.rplidar_scan == RplidarScan::kUsual ? Step::kAskUsualMode : Step::kAskModeSample, now_ns);
+  mode_ = params().rplidar_scan == RplidarScan::kExpress ? kExpressMode : kStandardMode;
+  enter(params().rplidar_scan == RplidarScan::kUsual ? Step::kAskUsualMode : Step::kAskModeSample, now_ns);
 }
 
 /// Of a device without a list of modes: what a sample takes in both of its scans, or nothing of one that knows the
@@ -202,7 +194,7 @@ void BringUp::ask_for_mode(std::int64_t now_ns) {
 void BringUp::on_sample_time(std::span<const std::byte> data) {
   const bool is_told = data.size() == 4;
   is_standard_ =
-      params_.rplidar_scan == RplidarScan::kStandard || (params_.rplidar_scan == RplidarScan::kUsual && !is_told);
+      params().rplidar_scan == RplidarScan::kStandard || (params().rplidar_scan == RplidarScan::kUsual && !is_told);
   mode_ = 0;  // by which older devices know the express scan
   const std::int64_t told_ns = is_told ? number_at(data, is_standard_ ? 0 : 2) * std::int64_t{1000} : 0;
   scan_mode_.sample_ns = can_be_sample(told_ns) ? told_ns : is_standard_ ? kStandardSampleNs : kExpressSampleNs;
@@ -210,7 +202,8 @@ void BringUp::on_sample_time(std::span<const std::byte> data) {
 
 /// The value of the setting that was asked for; empty: it has none.
 void BringUp::on_setting(std::span<const std::byte> value, std::int64_t now_ns, LrfSink& sink) {
-  switch (step_) {
+  told_all_ = told_all_ && !value.empty();
+  switch (step()) {
     case Step::kAskUsualMode:
       mode_ = value.size() >= 2 ? static_cast<int>(number_at(value, 0)) : -1;
       return enter(mode_ >= 0 && mode_ <= 0xFF ? Step::kAskModeSample : Step::kAskSampleTime, now_ns);
@@ -225,29 +218,35 @@ void BringUp::on_setting(std::span<const std::byte> value, std::int64_t now_ns, 
         return enter(Step::kAskModeRange, now_ns);
       }
       if (mode_ == kStandardMode) {
-        return fail(Errc::kFrameMalformed, -1, now_ns, sink);
+        return refuse(Errc::kFrameMalformed, now_ns, sink);
       }
       mode_ = kStandardMode;  // packets that we don't know
       return enter(Step::kAskModeSample, now_ns);
     }
     case Step::kAskModeRange:
       scan_mode_.range_max_m = value.size() >= 4 ? long_at(value, 0) / 256.0 : 0.0;
-      return turn_motor(now_ns);
+      return ask_for_speed(now_ns);
     default:  // the speed
       speed_rpm_ = value.size() >= 4 ? static_cast<int>(number_at(value, 0)) : 0;
       duty_ = value.size() >= 4 ? static_cast<int>(number_at(value, 2)) : kUsualDuty;
       duty_ = series_ >= kSpeedRpmSeries ? 0 : duty_;
-      return enter(duty_ > 0 || (series_ >= kSpeedRpmSeries && speed_rpm_ > 0) ? Step::kMotor : Step::kScan, now_ns);
+      return turn_motor(now_ns);
   }
 }
 
-void BringUp::turn_motor(std::int64_t now_ns) {
-  duty_ = params_.rplidar_pwm;
+void BringUp::ask_for_speed(std::int64_t now_ns) {
+  speed_rpm_ = 0;
+  duty_ = params().rplidar_pwm;
   const bool takes_duty = std::ranges::find(kDutySeries, series_) != kDutySeries.end();
   if (duty_ == 0 && takes_duty && !has_modes_) {
     duty_ = kUsualDuty;
   }
-  enter(duty_ > 0 ? Step::kMotor : takes_duty || series_ >= kSpeedRpmSeries ? Step::kAskSpeed : Step::kScan, now_ns);
+  const bool is_asked = duty_ == 0 && (takes_duty || series_ >= kSpeedRpmSeries);
+  return is_asked ? enter(Step::kAskSpeed, now_ns) : turn_motor(now_ns);
+}
+
+void BringUp::turn_motor(std::int64_t now_ns) {
+  enter(duty_ > 0 || (series_ >= kSpeedRpmSeries && speed_rpm_ > 0) ? Step::kMotor : Step::kScan, now_ns);
 }
 
 void BringUp::on_stream(const Descriptor& descriptor, std::int64_t now_ns, LrfSink& sink) {
@@ -255,35 +254,31 @@ void BringUp::on_stream(const Descriptor& descriptor, std::int64_t now_ns, LrfSi
   const bool is_known = is_standard_ ? descriptor.type == kNodeType : scan_mode_.format != nullptr;
   const std::size_t bytes = is_standard_ ? kNodeBytes : scan_mode_.format != nullptr ? scan_mode_.format->bytes : 0;
   if (!descriptor.is_stream || !is_known || descriptor.length_bytes != bytes) {
-    return fail(Errc::kFrameMalformed, -1, now_ns, sink);
+    return refuse(Errc::kFrameMalformed, now_ns, sink);
   }
-  if (const Errc error = stream_.configure(scan_mode_, rate_.baud()); error != Errc::kOk) {
-    return fail(error, -1, now_ns, sink);
+  if (const Errc error = stream().configure(scan_mode_, rate_.baud()); error != Errc::kOk) {
+    return refuse(error, now_ns, sink);
   }
-  step_ = Step::kDone;
+  is_known_ = has_modes_ && told_all_;
   rate_.found();
-  silence_told_ = false;
+  finish();
 }
 
 void BringUp::on_answer(const Descriptor& descriptor, std::span<const std::byte> data, std::int64_t now_ns,
                         LrfSink& sink) {
-  switch (step_) {
+  switch (step()) {
     case Step::kAskInfo:
-      if (descriptor.type != kInfoType || data.empty()) {
-        return enter(Step::kStop, now_ns);
-      }
-      series_ = static_cast<int>(byte_at(data, 0) >> 4U);
-      return enter(Step::kAskHealth, now_ns);
+      return descriptor.type == kInfoType && !data.empty() ? on_info(data, now_ns) : enter(Step::kStop, now_ns);
     case Step::kAskHealth: {
       if (descriptor.type != kHealthType || data.size() != 3) {
         return enter(Step::kStop, now_ns);
       }
       const int status = static_cast<int>(byte_at(data, 0));
-      return status >= kBroken ? fail(Errc::kDeviceStatus, status, now_ns, sink) : ask_for_mode(now_ns);
+      return status >= kBroken ? fail(status, now_ns, sink) : ask_for_mode(now_ns);
     }
     case Step::kAskSampleTime:
       on_sample_time(descriptor.type == kSampleTimeType ? data : std::span<const std::byte>{});
-      return turn_motor(now_ns);
+      return ask_for_speed(now_ns);
     case Step::kScan:
       return on_stream(descriptor, now_ns, sink);
     default: {

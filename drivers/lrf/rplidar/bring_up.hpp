@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "drivers/lrf/bring_up_steps.hpp"
 #include "drivers/lrf/lrf_params.hpp"
 #include "drivers/lrf/lrf_session.hpp"
 #include "drivers/lrf/rate_search.hpp"
@@ -12,6 +13,23 @@
 #include "drivers/lrf/rplidar/scan_stream.hpp"
 
 namespace odoless::rplidar {
+
+enum class Step : std::uint8_t {
+  kReset,
+  kStop,
+  kAskInfo,
+  kAskHealth,
+  kAskUsualMode,
+  kAskModeSample,
+  kAskModeAnswer,
+  kAskModeRange,
+  kAskSampleTime,
+  kAskSpeed,
+  kMotor,
+  kScan,
+  kPause,
+  kDone
+};
 
 /// The ritual that takes a device from any state to a stream of scans:
 ///
@@ -23,75 +41,50 @@ namespace odoless::rplidar {
 ///   5. turn the motor, where that takes a command, at the speed that the device tells;
 ///   6. start the scan; no answer: the device doesn't know it.
 ///
+/// What a device that streamed has told in 4 and 5 holds as long as its answer in 2, which has its firmware and serial
+/// number, is the same.
 /// Thread: one thread. Real time: no allocation.
-class BringUp {
+class BringUp final : public BringUpSteps<ScanStream, Step> {
  public:
   BringUp(const LrfParams& params, ScanStream& stream);
 
   /// From the first step. `with_reset`: the device is told to reset first.
   void start(std::int64_t now_ns, bool with_reset);
-  [[nodiscard]] bool done() const { return step_ == Step::kDone; }
 
   /// Takes bytes off the front of `bytes`; what is left when it is done is the stream's.
   void receive(std::span<const std::byte>& bytes, std::int64_t now_ns, LrfSink& sink);
   void on_deadline(std::int64_t now_ns, LrfSink& sink);
-  [[nodiscard]] std::int64_t deadline_ns() const { return deadline_ns_; }
-
-  /// What is to be sent; it counts as sent. Valid until the next call.
-  [[nodiscard]] std::span<const std::byte> take_request();
   [[nodiscard]] int line_baud() const { return rate_.baud(); }
-  [[nodiscard]] std::uint64_t device_errors() const { return device_errors_; }
 
  private:
-  enum class Step : std::uint8_t {
-    kReset,
-    kStop,
-    kAskInfo,
-    kAskHealth,
-    kAskUsualMode,
-    kAskModeSample,
-    kAskModeAnswer,
-    kAskModeRange,
-    kAskSampleTime,
-    kAskSpeed,
-    kMotor,
-    kScan,
-    kPause,
-    kDone
-  };
   static constexpr std::size_t kAnswerMaxBytes = 32;
+  using Info = std::array<std::byte, 20>;  ///< model, firmware, hardware, serial number
 
   void enter(Step step, std::int64_t now_ns);
   [[nodiscard]] Request request_of(Step step) const;
-  void fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink& sink);
   void on_answer(const Descriptor& descriptor, std::span<const std::byte> data, std::int64_t now_ns, LrfSink& sink);
+  void on_info(std::span<const std::byte> data, std::int64_t now_ns);
   void on_setting(std::span<const std::byte> value, std::int64_t now_ns, LrfSink& sink);
   void on_sample_time(std::span<const std::byte> data);
   void on_stream(const Descriptor& descriptor, std::int64_t now_ns, LrfSink& sink);
   void ask_for_mode(std::int64_t now_ns);
+  void ask_for_speed(std::int64_t now_ns);
   void turn_motor(std::int64_t now_ns);
-  void tell_silence(LrfSink& sink);
 
-  LrfParams params_;
-  ScanStream& stream_;
-  Step step_ = Step::kPause;
-  bool silence_told_ = false;
-  std::int64_t deadline_ns_ = 0;
-  std::int64_t drain_end_ns_ = 0;
   RateSearch rate_;
+  Info info_{};
   int series_ = 0;  ///< the first digit of its model
   int mode_ = 0;    ///< by the device's list
   bool has_modes_ = false;
+  bool told_all_ = false;     ///< what it was asked in 4 and 5
+  bool is_known_ = false;     ///< what it told is still to hold
   bool is_standard_ = false;  ///< its scan comes in nodes
   ScanMode scan_mode_;
   int speed_rpm_ = 0;  ///< of the motor, as the device tells
   int duty_ = 0;
-  bool reset_is_due_ = false;  ///< after the pause
-  std::uint64_t device_errors_ = 0;
   std::array<std::byte, kAnswerMaxBytes> answer_{};
   std::size_t answer_size_ = 0;
   Request request_;
-  bool request_waits_ = false;
 };
 
 }  // namespace odoless::rplidar

@@ -15,8 +15,6 @@ class RplidarSession final : public TurningSession<rplidar::ScanStream, rplidar:
  public:
   /// @param beams_max  Most beams of a scan; more in `params` are refused with Errc::kTooManyBeams.
   RplidarSession(const LrfParams& params, int beams_max) : TurningSession(params, beams_max) {}
-
-  [[nodiscard]] std::span<const std::byte> transmit() override { return bring_up().take_request(); }
 };
 
 }  // namespace odoless

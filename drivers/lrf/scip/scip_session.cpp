@@ -28,11 +28,6 @@ void ScipSession::forget_received() {
   reader_.expect_stream({});
 }
 
-std::span<const std::byte> ScipSession::transmit() {
-  const std::string_view request = bring_up().take_request();
-  return std::as_bytes(std::span(request.data(), request.size()));
-}
-
 void ScipSession::receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, LrfSink& sink) {
   counts().bytes += bytes.size();
   std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());

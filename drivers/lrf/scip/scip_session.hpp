@@ -17,7 +17,6 @@ class ScipSession final : public StreamingSession<scip::ScanStream, scip::BringU
   ScipSession(const LrfParams& params, int beams_max);
 
   void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, LrfSink& sink) override;
-  [[nodiscard]] std::span<const std::byte> transmit() override;
 
  private:
   void forget_received() override;

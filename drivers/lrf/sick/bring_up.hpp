@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <span>
 
+#include "drivers/lrf/bring_up_steps.hpp"
 #include "drivers/lrf/lrf_params.hpp"
 #include "drivers/lrf/lrf_session.hpp"
+#include "drivers/lrf/rate_search.hpp"
 #include "drivers/lrf/sick/scan_stream.hpp"
 #include "drivers/lrf/sick/telegram.hpp"
 
@@ -17,6 +19,22 @@ struct Found {
   SickVariant variant = SickVariant::k180ByHalf;
   SickUnit unit = SickUnit::kMm;
   bool is_usual_mode = true;  ///< nothing would have to be written to its memory for that unit
+};
+
+enum class Step : std::uint8_t {
+  kReset,
+  kStop,
+  kAskStatus,
+  kAskConfiguration,
+  kInstall,
+  kConfigure,
+  kLeaveInstallation,
+  kSetVariant,
+  kSetRate,
+  kSettle,
+  kStart,
+  kPause,
+  kDone
 };
 
 /// The ritual that takes a device from any state to a stream of scans:
@@ -33,7 +51,7 @@ struct Found {
 /// Every answer that doesn't come or isn't understood leads back to 1; a device that is broken is reset. One that
 /// answers in 1 again and again, and never gets farther, is told of once (LrfEventType::kUnanswered).
 /// Thread: one thread. Real time: no allocation.
-class BringUp {
+class BringUp final : public BringUpSteps<ScanStream, Step> {
  public:
   BringUp(const LrfParams& params, ScanStream& stream);
 
@@ -43,69 +61,34 @@ class BringUp {
 
   /// From the first step. `with_reset`: the device is told to reset first.
   void start(std::int64_t now_ns, bool with_reset);
-  [[nodiscard]] bool done() const { return step_ == Step::kDone; }
 
   void on_telegram(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
   /// The device has not understood.
   void on_nak(std::int64_t now_ns);
   void on_deadline(std::int64_t now_ns, LrfSink& sink);
-  [[nodiscard]] std::int64_t deadline_ns() const { return deadline_ns_; }
-
-  /// What is to be sent; it counts as sent. Valid until the next call.
-  [[nodiscard]] std::span<const std::byte> take_request();
-  [[nodiscard]] int line_baud() const { return line_baud_; }
-  [[nodiscard]] std::uint64_t device_errors() const { return device_errors_; }
+  [[nodiscard]] int line_baud() const { return rate_.baud(); }
 
  private:
-  enum class Step : std::uint8_t {
-    kReset,
-    kStop,
-    kAskStatus,
-    kAskConfiguration,
-    kInstall,
-    kConfigure,
-    kLeaveInstallation,
-    kSetVariant,
-    kSetRate,
-    kSettle,
-    kStart,
-    kPause,
-    kDone
-  };
   static constexpr std::size_t kConfigurationBytes = 34;
 
   void enter(Step step, std::int64_t now_ns);
   void send_request_of(Step step);
   [[nodiscard]] std::int64_t patience_ns(Step step) const;
-  void fail(Errc reason, int device_status, std::int64_t now_ns, LrfSink& sink);
   [[nodiscard]] bool answers(const Telegram& telegram) const;
   void on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
   void on_status(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
   void on_configuration(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
   void on_variant_set(std::int64_t now_ns, LrfSink& sink);
-  void next_rate();
 
-  LrfParams params_;
-  bool sets_rate_;  ///< of line and device
   bool only_asks_ = false;
   Found found_;
-  ScanStream& stream_;
-  Step step_ = Step::kPause;
-  std::int64_t deadline_ns_ = 0;
-  int line_baud_;
-  int wished_baud_;
-  int rates_tried_ = 0;
+  SwitchedRate rate_;
   int naks_ = 0;
   int deaf_rounds_ = 0;        ///< in which the device was heard at this rate, but didn't answer
   bool heard_ = false;         ///< a telegram came at this rate since the stop was sent
   bool rate_refused_ = false;  ///< the device doesn't want the wished rate
-  bool silence_told_ = false;  ///< once per outage
-  int stops_answered_ = 0;     ///< since the bring-up began
-  bool reset_is_due_ = false;  ///< after the pause
-  std::uint64_t device_errors_ = 0;
   std::array<std::byte, kConfigurationBytes> configuration_{};
   Request request_;
-  bool request_waits_ = false;
 };
 
 }  // namespace odoless::sick

@@ -22,7 +22,6 @@ class SickSession final : public StreamingSession<sick::ScanStream, sick::BringU
   [[nodiscard]] const sick::Found& found() { return bring_up().found(); }
 
   void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, LrfSink& sink) override;
-  [[nodiscard]] std::span<const std::byte> transmit() override { return bring_up().take_request(); }
 
  private:
   void forget_received() override;

@@ -10,7 +10,6 @@ constexpr int kUsualBaud = 57600;  ///< of a device that is on a serial line
 constexpr std::int64_t kAnswerNs = 1'000'000'000;
 constexpr std::int64_t kSetNs = 5'000'000'000;        ///< its mirror changes its speed
 constexpr std::int64_t kFirstScanNs = 2'000'000'000;  ///< the same
-constexpr std::int64_t kPauseNs = 1'000'000'000;
 constexpr int kDialects = 2;
 constexpr int kStopsMax = 3;  ///< that a device answers, and then nothing else
 constexpr int kAuthorizedClient = 3;
@@ -40,12 +39,11 @@ ScanSetting setting_of(SopasScan wished) {
 }  // namespace
 
 BringUp::BringUp(const LrfParams& params, ScanStream& stream)
-    : params_(params), stream_(stream), line_baud_(params.baud == 0 ? kUsualBaud : params.baud) {}
+    : BringUpSteps(params, stream), line_baud_(params.baud == 0 ? kUsualBaud : params.baud) {}
 
 void BringUp::start(std::int64_t now_ns, bool /*with_reset*/) {
-  silence_told_ = false;
+  begin();
   silences_ = 0;
-  stops_answered_ = 0;
   enter(Step::kStop, now_ns);
 }
 
@@ -74,10 +72,12 @@ std::string_view BringUp::head_of(Step step) const {
   return {};
 }
 
-void BringUp::write_request(Step step) {
+void BringUp::send_request_of(Step step) {
+  if (head_of(step).empty()) {
+    return;
+  }
   request_ = Request(dialect_, head_of(step));
-  request_waits_ = !head_of(step).empty();
-  const ScanSetting scan = setting_of(params_.sopas_scan);
+  const ScanSetting scan = setting_of(params().sopas_scan);
   switch (step) {
     case Step::kStop:
       request_.number(0, 1);
@@ -104,47 +104,31 @@ void BringUp::write_request(Step step) {
     default:
       break;
   }
-}
-
-std::span<const std::byte> BringUp::take_request() {
-  return std::exchange(request_waits_, false) ? request_.finish() : std::span<const std::byte>{};
+  send(request_.finish());
 }
 
 void BringUp::enter(Step step, std::int64_t now_ns) {
-  step_ = step;
   shape_ = {};
-  write_request(step);
   const std::int64_t patience_ns = step == Step::kSetScan     ? kSetNs
                                    : step == Step::kFirstScan ? kFirstScanNs
-                                   : step == Step::kPause     ? kPauseNs
                                    : step == Step::kStop      ? 0
                                                               : kAnswerNs;
-  deadline_ns_ = now_ns + std::max(params_.reply_timeout_ns, patience_ns);
+  wait(step, now_ns + std::max(params().reply_timeout_ns, patience_ns));
+  send_request_of(step);
 }
 
 void BringUp::on_deadline(std::int64_t now_ns, LrfSink& sink) {
-  if (step_ == Step::kStop) {
+  if (step() == Step::kStop) {
     dialect_ = dialect_ == Dialect::kAscii ? Dialect::kBinary : Dialect::kAscii;
-    if (++silences_ >= kDialects && !std::exchange(silence_told_, true)) {
-      sink.on_event({.type = LrfEventType::kLost, .reason = Errc::kDeviceSilent});
+    if (++silences_ >= kDialects) {
+      tell_silence(sink);
     }
   }
   enter(Step::kStop, now_ns);
 }
 
-void BringUp::tell(int device_status, LrfSink& sink) {
-  ++device_errors_;
-  sink.on_event({.type = LrfEventType::kDeviceError, .reason = Errc::kDeviceStatus, .device_status = device_status});
-}
-
-void BringUp::refuse(Errc reason, std::int64_t now_ns, LrfSink& sink) {
-  sink.on_event({.type = LrfEventType::kRejected, .reason = reason});
-  stops_answered_ = 0;  // why it does not stream is told
-  enter(Step::kPause, now_ns);
-}
-
 bool BringUp::answers(const Telegram& telegram) const {
-  const std::string_view head = head_of(step_);
+  const std::string_view head = head_of(step());
   const bool is_answer = telegram.command().ends_with('A') || telegram.command() == "sAN";
   return !head.empty() && (telegram.is_refusal() || (is_answer && telegram.name() == head.substr(4)));
 }
@@ -154,20 +138,18 @@ void BringUp::on_telegram(const Telegram& telegram, std::int64_t now_ns, LrfSink
   silences_ = 0;
   if (answers(telegram)) {
     on_answer(telegram, now_ns, sink);
-  } else if (step_ == Step::kFirstScan && telegram.name() == "LMDscandata" && telegram.command() == "sSN") {
+  } else if (step() == Step::kFirstScan && telegram.name() == "LMDscandata" && telegram.command() == "sSN") {
     on_scan(telegram, now_ns, sink);
   }
 }
 
 void BringUp::on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink) {
-  switch (step_) {
+  switch (step()) {
     case Step::kStop:
-      if (stops_answered_++ == kStopsMax) {
-        sink.on_event({.type = LrfEventType::kUnanswered, .reason = Errc::kDeviceSilent});
-      }
+      count_answer(kStopsMax, sink);
       return enter(Step::kLogIn, now_ns);
     case Step::kLogIn:
-      return enter(params_.sopas_scan == SopasScan::kAsSet ? Step::kSetContent : Step::kAskScan, now_ns);
+      return enter(params().sopas_scan == SopasScan::kAsSet ? Step::kSetContent : Step::kAskScan, now_ns);
     case Step::kAskScan:
       return on_scan_settings(telegram, now_ns);
     case Step::kSetScan:
@@ -179,12 +161,7 @@ void BringUp::on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& 
     case Step::kRun:
       return enter(Step::kStart, now_ns);
     case Step::kStart:
-      if (telegram.is_refusal()) {
-        tell(telegram.refusal_code(), sink);
-        stops_answered_ = 0;
-        return enter(Step::kPause, now_ns);
-      }
-      return enter(Step::kFirstScan, now_ns);
+      return telegram.is_refusal() ? fail(telegram.refusal_code(), now_ns, sink) : enter(Step::kFirstScan, now_ns);
     case Step::kFirstScan:
     case Step::kPause:
     case Step::kDone:
@@ -197,7 +174,7 @@ void BringUp::on_scan_settings(const Telegram& telegram, std::int64_t now_ns) {
   const std::uint32_t rate_chz = fields.number(4);
   static_cast<void>(fields.number(2));
   const std::uint32_t step_tmdeg = fields.number(4);
-  const ScanSetting wished = setting_of(params_.sopas_scan);
+  const ScanSetting wished = setting_of(params().sopas_scan);
   const bool is_so =
       !telegram.is_refusal() && fields.ok() && rate_chz == wished.rate_chz && step_tmdeg == wished.step_tmdeg;
   enter(is_so ? Step::kSetContent : Step::kSetScan, now_ns);
@@ -208,26 +185,25 @@ void BringUp::on_scan_set(const Telegram& telegram, std::int64_t now_ns, LrfSink
   Fields fields = telegram.fields();
   const auto result = static_cast<int>(fields.number(1));
   if (telegram.is_refusal()) {
-    tell(telegram.refusal_code(), sink);
+    tell_error(telegram.refusal_code(), sink);
   } else if (result != 0) {
-    tell(kScanRefused + result, sink);
+    tell_error(kScanRefused + result, sink);
   }
   enter(Step::kSetContent, now_ns);
 }
 
 void BringUp::on_scan(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink) {
-  const Result<ScanData> data = stream_.read(telegram);
+  const Result<ScanData> data = stream().read(telegram);
   if (!data.ok()) {
     return data.error() == Errc::kFrameMalformed ? void() : refuse(data.error(), now_ns, sink);
   }
   if (std::exchange(shape_, data.value().shape) != data.value().shape) {
     return;
   }
-  if (const Errc error = stream_.configure(data.value()); error != Errc::kOk) {
+  if (const Errc error = stream().configure(data.value()); error != Errc::kOk) {
     return refuse(error, now_ns, sink);
   }
-  step_ = Step::kDone;
-  silence_told_ = false;
+  finish();
 }
 
 }  // namespace odoless::sopas

@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "drivers/lrf/bring_up_steps.hpp"
 #include "drivers/lrf/lrf_params.hpp"
 #include "drivers/lrf/lrf_session.hpp"
 #include "drivers/lrf/sopas/scan_stream.hpp"
@@ -14,6 +15,20 @@ namespace odoless::sopas {
 /// What `LrfEvent::device_status` is: the code of a refusal (sFA), or one of these and a code.
 inline constexpr int kScanRefused = 100;   ///< the wished rate and step (mLMPsetscancfg)
 inline constexpr int kDeviceStatus = 200;  ///< what a scan says of its device
+
+enum class Step : std::uint8_t {
+  kStop,
+  kLogIn,
+  kAskScan,
+  kSetScan,
+  kSetContent,
+  kMeasure,
+  kRun,
+  kStart,
+  kFirstScan,
+  kPause,
+  kDone
+};
 
 /// The ritual that takes a device from any state to a stream of scans:
 ///
@@ -27,62 +42,32 @@ inline constexpr int kDeviceStatus = 200;  ///< what a scan says of its device
 /// What a device refuses or does not know in 2, 4 and 5 it does without, as models do that need no log-in: what its
 /// scans hold, they tell. An answer that does not come leads back to 1. Nothing is written to its memory (mEEwriteall).
 /// Thread: one thread. Real time: no allocation.
-class BringUp {
+class BringUp final : public BringUpSteps<ScanStream, Step> {
  public:
   BringUp(const LrfParams& params, ScanStream& stream);
 
   /// From the first step.
   void start(std::int64_t now_ns, bool with_reset);
-  [[nodiscard]] bool done() const { return step_ == Step::kDone; }
 
   void on_telegram(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
   void on_deadline(std::int64_t now_ns, LrfSink& sink);
-  [[nodiscard]] std::int64_t deadline_ns() const { return deadline_ns_; }
-
-  /// What is to be sent; it counts as sent. Valid until the next call.
-  [[nodiscard]] std::span<const std::byte> take_request();
   [[nodiscard]] int line_baud() const { return line_baud_; }
-  [[nodiscard]] std::uint64_t device_errors() const { return device_errors_; }
 
  private:
-  enum class Step : std::uint8_t {
-    kStop,
-    kLogIn,
-    kAskScan,
-    kSetScan,
-    kSetContent,
-    kMeasure,
-    kRun,
-    kStart,
-    kFirstScan,
-    kPause,
-    kDone
-  };
-
   void enter(Step step, std::int64_t now_ns);
   [[nodiscard]] std::string_view head_of(Step step) const;
-  void write_request(Step step);
+  void send_request_of(Step step);
   [[nodiscard]] bool answers(const Telegram& telegram) const;
   void on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
   void on_scan_settings(const Telegram& telegram, std::int64_t now_ns);
   void on_scan_set(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
   void on_scan(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
-  void tell(int device_status, LrfSink& sink);
-  void refuse(Errc reason, std::int64_t now_ns, LrfSink& sink);
 
-  LrfParams params_;
-  ScanStream& stream_;
-  Step step_ = Step::kPause;
   Dialect dialect_ = Dialect::kAscii;
-  std::int64_t deadline_ns_ = 0;
   int line_baud_;
-  int silences_ = 0;           ///< dialects in a row that nothing answered in
-  bool silence_told_ = false;  ///< once per outage
-  int stops_answered_ = 0;     ///< since the bring-up began
-  ScanShape shape_;            ///< of the first scan, until a second one agrees
-  std::uint64_t device_errors_ = 0;
+  int silences_ = 0;  ///< dialects in a row that nothing answered in
+  ScanShape shape_;   ///< of the first scan, until a second one agrees
   Request request_;
-  bool request_waits_ = false;
 };
 
 }  // namespace odoless::sopas

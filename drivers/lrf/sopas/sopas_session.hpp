@@ -18,7 +18,6 @@ class SopasSession final : public StreamingSession<sopas::ScanStream, sopas::Bri
   SopasSession(const LrfParams& params, int beams_max);
 
   void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, LrfSink& sink) override;
-  [[nodiscard]] std::span<const std::byte> transmit() override { return bring_up().take_request(); }
 
  private:
   void forget_received() override { reader_.clear(); }

@@ -14,8 +14,6 @@ class YdlidarSession final : public TurningSession<ydlidar::ScanStream, ydlidar:
  public:
   /// @param beams_max  Most beams of a scan; more in `params` are refused with Errc::kTooManyBeams.
   YdlidarSession(const LrfParams& params, int beams_max) : TurningSession(params, beams_max) {}
-
-  [[nodiscard]] std::span<const std::byte> transmit() override { return bring_up().take_request(); }
 };
 
 }  // namespace odoless
