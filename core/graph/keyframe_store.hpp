@@ -25,6 +25,7 @@ class KeyframeStore {
   [[nodiscard]] int size() const { return static_cast<int>(kept_.size()); }
   [[nodiscard]] const Keyframe& operator[](int index) const { return at(index).keyframe; }
   [[nodiscard]] const Pose2& submap_T_scan(int index) const { return at(index).submap_T_scan; }
+  [[nodiscard]] std::span<const BeamCode> codes(int index) const;
   /// Every `stride`-th beam of a keyframe, as the scan that it was. `frame` has room for them.
   void load(int index, int stride, ScanFrame& frame) const;
   /// Largest range of a keyframe's returns; 0: none.
@@ -39,7 +40,6 @@ class KeyframeStore {
 
   [[nodiscard]] Kept& at(int index) { return kept_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] const Kept& at(int index) const { return kept_[static_cast<std::size_t>(index)]; }
-  [[nodiscard]] std::span<const BeamCode> codes(int index) const;
 
   std::size_t keyframes_max_;
   std::vector<Kept> kept_;

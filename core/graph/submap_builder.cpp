@@ -15,17 +15,36 @@ bool SubmapBuilder::is_full() const {
          (slip_m_ > params_.submap_slip_m && begun_.size() >= kSlipping_min);
 }
 
-bool SubmapBuilder::add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store, bool ends) {
-  const OdometryStretch& step = keyframe.since_last;
+bool SubmapBuilder::pass(const OdometryStretch& step, KeyframeStore& store, bool ends) {
   const bool has_ended = (step.is_torn() || ends || is_full()) && finish(store);
   since_stored_ = since_stored_.then(step);
   travel_m_ += step.distance_m;
   slip_m_ += std::hypot(step.slip_m.x_m, step.slip_m.y_m);
+  return has_ended;
+}
+
+bool SubmapBuilder::add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store, bool ends) {
+  const bool has_ended = pass(keyframe.since_last, store, ends);
   if (!store.full()) {
     begun_.push_back({store.add(keyframe, codes), since_stored_});
     since_stored_ = {};
   }
   return has_ended;
+}
+
+bool SubmapBuilder::add_stored(int index, KeyframeStore& store) {
+  const bool has_ended = pass(store[index].since_last, store, false);
+  begun_.push_back({index, since_stored_});
+  since_stored_ = {};
+  return has_ended;
+}
+
+void SubmapBuilder::resume(const Submap& last, const KeyframeStore& store) {
+  has_origin_ = true;
+  since_origin_ = {};
+  for (int k = last.keyframes / 2 + 1; k < last.keyframes; ++k) {
+    since_origin_ = since_origin_.then(store[last.first_keyframe + k].since_last);
+  }
 }
 
 bool SubmapBuilder::finish(KeyframeStore& store) {
@@ -38,7 +57,8 @@ bool SubmapBuilder::finish(KeyframeStore& store) {
                .keyframes = static_cast<int>(begun_.size()),
                .odom_T_submap = origin.odom_T_scan,
                .local_T_submap = origin.map_T_odom * origin.odom_T_scan,
-               .origin_stamp_ns = origin.stamp_ns};
+               .origin_stamp_ns = origin.stamp_ns,
+               .is_sure = origin.is_sure != 0};
   odometry_ = has_origin_ ? since_origin_ : OdometryStretch{};
   since_origin_ = {};
   for (std::size_t i = 0; i < begun_.size(); ++i) {

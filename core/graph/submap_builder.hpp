@@ -15,6 +15,7 @@ struct Submap {
   Pose2 odom_T_submap{};
   Pose2 local_T_submap{};  ///< as the particle filter had it in its own map
   std::int64_t origin_stamp_ns = 0;
+  bool is_sure = true;  ///< the filter was, of where it had it
 
   [[nodiscard]] int end_keyframe() const { return first_keyframe + keyframes; }
 };
@@ -31,6 +32,10 @@ class SubmapBuilder {
   /// @return  Whether a submap has ended: `finished` says which.
   /// @param ends  The submap that has begun ends before this keyframe in any case.
   bool add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store, bool ends = false);
+  /// The same of a keyframe that the store has already.
+  bool add_stored(int index, KeyframeStore& store);
+  /// Goes on after a submap that was made before, whose keyframes the store has.
+  void resume(const Submap& last, const KeyframeStore& store);
   /// Ends the submap that has begun. @return  Whether there was one.
   bool finish(KeyframeStore& store);
 
@@ -47,6 +52,8 @@ class SubmapBuilder {
   };
 
   [[nodiscard]] bool is_full() const;
+  /// Before a keyframe is taken. @return  Whether a submap has ended.
+  bool pass(const OdometryStretch& step, KeyframeStore& store, bool ends);
 
   GraphParams params_;
   std::vector<Begun> begun_;

@@ -65,6 +65,7 @@ SubmapGraph::SubmapGraph(const GraphParams& params, const RobotLimits& limits, c
 bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
   const bool jumped = has_jumped(keyframe);
   local_T_odom_ = keyframe.map_T_odom;
+  is_filter_sure_ = keyframe.is_sure != 0;
   if (!graph_.full() && graph_.has_room(1) && builder_.add(keyframe, codes, store_, jumped)) {
     add_submap();
   }
@@ -72,7 +73,7 @@ bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
     take_claim(keyframe);
   }
   if (claim_ && !builder_.is_behind_a_tear() &&
-      is_same_place(map_T_odom() * keyframe.odom_T_scan, graph_T_odom() * keyframe.odom_T_scan)) {
+      is_same_place(claimed_T_odom() * keyframe.odom_T_scan, graph_T_odom() * keyframe.odom_T_scan)) {
     claim_.reset();  // the graph knows
   }
   return phase_ != Phase::kIdle;
@@ -83,16 +84,19 @@ bool SubmapGraph::has_jumped(const Keyframe& keyframe) const {
                         keyframe.map_T_odom * keyframe.odom_T_scan);
 }
 
-// By the submap that is nearest in the filter's map; the newest ones are where the filter had them before the jump.
+// By the submap that is nearest in the filter's map, of those where the filter was sure; the newest ones may be where
+// it had them before the jump.
 void SubmapGraph::take_claim(const Keyframe& keyframe) {
   const Pose2 local_T_scan = keyframe.map_T_odom * keyframe.odom_T_scan;
-  const auto distance_m = [&](const Submap& submap) { return submap.local_T_submap.distance_m(local_T_scan); };
-  const auto older = std::span(submaps_).first(static_cast<std::size_t>(std::max(0, graph_.size() - kNeighbours)));
-  const auto nearest = std::min_element(
-      older.begin(), older.end(), [&](const Submap& a, const Submap& b) { return distance_m(a) < distance_m(b); });
-  if (!submaps_.empty()) {
-    const bool is_known = nearest != older.end() && distance_m(*nearest) < kReach_m;
-    claim_ = is_known ? static_cast<int>(nearest - older.begin()) : graph_.size() - 1;
+  double nearest_m = kReach_m;
+  claim_ = submaps_.empty() ? std::nullopt : std::optional(graph_.size() - 1);
+  for (int i = 0; i < graph_.size() - kNeighbours; ++i) {
+    const Submap& submap = submaps_[static_cast<std::size_t>(i)];
+    const double distance_m = submap.local_T_submap.distance_m(local_T_scan);
+    if (submap.is_sure && distance_m < nearest_m) {
+      nearest_m = distance_m;
+      claim_ = i;
+    }
   }
 }
 
@@ -309,7 +313,9 @@ Pose2 SubmapGraph::map_T_local(int submap) const {
   return graph_.pose(submap) * submaps_[static_cast<std::size_t>(submap)].local_T_submap.inverse();
 }
 
-Pose2 SubmapGraph::map_T_odom() const { return claim_ ? map_T_local(*claim_) * *local_T_odom_ : graph_T_odom(); }
+Pose2 SubmapGraph::map_T_odom() const { return claim_ && is_filter_sure_ ? claimed_T_odom() : graph_T_odom(); }
+
+Pose2 SubmapGraph::claimed_T_odom() const { return map_T_local(*claim_) * *local_T_odom_; }
 
 Pose2 SubmapGraph::graph_T_odom() const {
   if (submaps_.empty()) {

@@ -89,6 +89,7 @@ class SubmapGraph {
   /// Where the filter's own map lies in the world, around that submap.
   [[nodiscard]] Pose2 map_T_local(int submap) const;
   [[nodiscard]] Pose2 graph_T_odom() const;
+  [[nodiscard]] Pose2 claimed_T_odom() const;
   void add_submap();
   /// Plans the matches of a submap, and of a few older ones.
   void begin_work(int query);
@@ -116,6 +117,7 @@ class SubmapGraph {
   /// Since the filter's pose has jumped (the robot was found), until the graph has it there too: the submap by which
   /// the filter's map lies in the world.
   std::optional<int> claim_;
+  bool is_filter_sure_ = true;
   PoseGraph::Projection projection_;
   std::vector<Candidate> candidates_;
   std::size_t next_candidate_ = 0;

@@ -54,6 +54,8 @@ struct DaemonOptions {
   std::uint64_t seed = 1;
   bool require_realtime = false;
   bool enforce_realtime = false;
+  std::string version;           ///< of the program
+  std::string configuration;     ///< all of it as TOML, for the world file
   std::filesystem::path folder;  ///< of the runs, each of which gets one in there; empty: none is saved at the end
   /// Instead of the laser, e.g. a recorded log; may be null.
   std::unique_ptr<ScanSource> source;

@@ -13,6 +13,7 @@
 #include "firmware/lcm/log_writer_params.hpp"
 #include "firmware/pipeline/pipeline_params.hpp"
 #include "firmware/web/web_params.hpp"
+#include "firmware/world/world_params.hpp"
 
 namespace odoless {
 
@@ -39,6 +40,7 @@ struct DaemonParams {
   HealthParams health;
   ControlParams control;
   WebParams web;
+  WorldParams world;
 
   /// The 3D map, which takes a tilting laser; none where there is no tilt servo, or it is switched off.
   [[nodiscard]] std::optional<MappingParams> mapping_in_use() const {
@@ -62,6 +64,7 @@ struct DaemonParams {
     visit.group("health", self.health, "From when on something counts as wrong.");
     visit.group("control", self.control, "Commands to the daemon.");
     visit.group("web", self.web, "The page that shows in a browser what the daemon does.");
+    visit.group("world", self.world, "The file that what is mapped is kept in.");
     RobotParams::describe(self.robot, visit);
   }
 };

@@ -1,9 +1,11 @@
 #include "firmware/daemon/machine.hpp"
 
+#include <fmt/format.h>
 #include <sysexits.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <span>
 
 #include "firmware/daemon/log.hpp"
@@ -84,6 +86,11 @@ Machine::Machine(DaemonOptions& options)
     if (options.params.robot.graph.enabled) {
       filter_loop_->tell_keyframes(options.params.robot.graph);
       publisher_.attach(options.params.robot, options.seed);
+      if (!options.params.world.file.empty()) {
+        publisher_.keep_world(options.params.world,
+                              {"", options.version, options.configuration, static_cast<std::int64_t>(options.seed)},
+                              options.params.robot.graph.keyframes_max);
+      }
     }
     if (options.params.mapping_in_use()) {
       filter_loop_->tell_path();
@@ -135,6 +142,15 @@ Lack Machine::open() {
     if (const Errc error = lcm->open(); error != Errc::kOk) {
       return {error == Errc::kBadAddress ? EX_CONFIG : EX_UNAVAILABLE, lcm->reason()};
     }
+  }
+  if (const FileFailure failed = publisher_.world() != nullptr ? publisher_.world()->open() : FileFailure{};
+      failed.any()) {
+    return {
+        failed.error == EBADMSG ? EX_DATAERR
+        : failed.error == EBUSY ? EX_UNAVAILABLE
+                                : EX_CANTCREAT,
+        fmt::format("world file {}: {}; a world file is needed, or a path where one can be made (--world, world.file)",
+                    publisher_.world()->report().file, failed.text)};
   }
   const Errc error = publisher_.link().open();
   if (error == Errc::kBadAddress) {
@@ -200,7 +216,7 @@ bool Machine::stop() {
   return true;
 }
 
-int Machine::threads() const { return kStages + 2 + (gpio_thread_ ? 1 : 0) + (publisher_.has_graph() ? 1 : 0); }
+int Machine::threads() const { return kStages + 2 + (gpio_thread_ ? 1 : 0) + publisher_.threads(); }
 
 std::size_t Machine::map_cells() const {
   const GridGeometry geometry = geometry_of(filter_.get());

@@ -92,6 +92,10 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
                     (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes +
                         (params.robot.graph.enabled ? GraphFeed::kStack_bytes + GraphFeed::kScratch_bytes : 0) +
                         2 * kPublisherStack_bytes + kFirstStack_bytes});
+  if (!params.world.file.empty()) {
+    shares.push_back(
+        {"world file: its thread's stack, pages, what waits", WorldKeeper::kStack_bytes + WorldKeeper::kScratch_bytes});
+  }
   if (params.web.is_used()) {
     shares.push_back({"page: stacks of its threads",
                       static_cast<std::size_t>(WebServer::threads(params.web)) * WebServer::kStack_bytes});

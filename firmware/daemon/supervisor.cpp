@@ -327,30 +327,40 @@ std::string Supervisor::begin_save(const ControlCommand& command) {
 
 // Commands are answered meanwhile, and the service manager is told that it takes its time as long as it gets on.
 void Supervisor::wait_for_saver() {
-  while (saver_.is_saving()) {
-    wait();
+  const WorldKeeper* const world = machine_.publisher().world();
+  while (true) {
+    const bool is_saving = saver_.is_saving();
+    if (!is_saving && (world == nullptr || !world->is_ending())) {
+      return;
+    }
+    const std::string doing = is_saving ? saver_.status().doing : "writing the world file";
     const std::int64_t now_ns = machine_.clock().now_ns();
-    if (now_ns - saver_.progress_ns() > kStuck_ns) {
-      log_line(EventPriority::kCritical, fmt::format("saving does not get on ({}): given up", saver_.status().doing));
+    if ((is_saving ? now_ns - saver_.progress_ns() : world->since_progress_ns()) > kStuck_ns) {
+      log_line(EventPriority::kCritical, fmt::format("saving does not get on ({}): given up", doing));
       ::_exit(EX_CANTCREAT);
     }
     if (now_ns >= next_watch_ns_) {
       next_watch_ns_ = now_ns + kWatch_ns;
-      notify_service_manager(
-          fmt::format("WATCHDOG=1\nEXTEND_TIMEOUT_USEC=10000000\nSTATUS=ends: {}", saver_.status().doing));
+      notify_service_manager(fmt::format("WATCHDOG=1\nEXTEND_TIMEOUT_USEC=10000000\nSTATUS=ends: {}", doing));
     }
+    wait();
   }
 }
 
-/// After a save that is under way. @return  Whether there was nothing to do, or it went well.
+/// After a save that is under way, the world file first. @return  Whether there was nothing to do, or it went well.
 bool Supervisor::save_last(bool is_complete) {
+  WorldKeeper* const world = machine_.publisher().world();
+  if (world != nullptr) {
+    world->begin_end();
+  }
   wait_for_saver();
+  const bool is_kept = world == nullptr || world->report().error == 0;
   if (options_.folder.empty()) {
-    return true;
+    return is_kept;
   }
   const bool has_begun = saver_.begin({.is_last = is_complete});
   wait_for_saver();
-  return has_begun && saver_.status().state == SaveStatus::State::kSaved;
+  return has_begun && is_kept && saver_.status().state == SaveStatus::State::kSaved;
 }
 
 int Supervisor::end() {

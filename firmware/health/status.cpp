@@ -77,6 +77,31 @@ Json save_json(const SaveStatus& save) {
           {"error", save.wrong}};
 }
 
+std::string world_text(const WorldReport& world) {
+  const std::string lost =
+      world.scans_lost + world.keyframes_lost > 0
+          ? fmt::format("; lost: {} keyframes, the poses of {} scans", world.keyframes_lost, world.scans_lost)
+          : "";
+  return world.error == 0
+             ? fmt::format("world: {}, {}, revision {}, session {}: {} keyframes, written {:.1f} s ago{}\n", world.file,
+                           world.uuid, world.revision, world.session, world.keyframes, world.age_s, lost)
+             : fmt::format("world: {} cannot be written for {:.0f} s: {}; {} keyframes wait{}\n", world.file,
+                           world.age_s, world.reason, world.not_written, lost);
+}
+
+Json world_json(const WorldReport& world) {
+  return {{"file", world.file},
+          {"uuid", world.uuid},
+          {"revision", world.revision},
+          {"session", world.session},
+          {"keyframes", world.keyframes},
+          {"keyframes_not_written", world.not_written},
+          {"keyframes_lost", world.keyframes_lost},
+          {"scans_lost", world.scans_lost},
+          {"age_s", world.age_s},
+          {"error", world.reason}};
+}
+
 Json pose_json(const PoseRecord& pose) {
   const PoseSd sd = sd_of(pose);
   return {{"stamp_s", static_cast<double>(pose.stamp_ns) * 1e-9},
@@ -115,13 +140,13 @@ std::string status_text(const DaemonStatus& status) {
       "scans {} accepted, {} rejected, {} dropped, {} not level, {:.1f} Hz, age {:.3f} s; poses {:.1f} Hz\n"
       "stamps: {}\n"
       "fitness {:.2f}, particles {}, effective {:.0f}\n"
-      "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n{}{}{}",
+      "cpu per scan (p50, p99, max): matcher {:.1f}, {:.1f}, {:.1f} ms; filter {:.1f}, {:.1f}, {:.1f} ms\n{}{}{}{}",
       state_sentence(health), pose_text(status), 100.0 * health.pose_probability, status.map.width_m,
       status.map.height_m, status.map.cell_size_m, 100.0 * health.map_pool_used, health.lrf.accepted,
       health.lrf.rejected, health.lrf.dropped, health.scans_not_level, health.lrf.rate_hz, health.lrf.age_s,
       status.poses_hz, times_text(health.lrf.times), health.fitness, health.particles, health.effective_particles,
       matcher.p50_ms, matcher.p99_ms, matcher.max_ms, filter.p50_ms, filter.p99_ms, filter.max_ms, graph_text(health),
-      cloud_text(health), save_text(status.save));
+      cloud_text(health), status.world ? world_text(*status.world) : "", save_text(status.save));
 }
 
 Json status_json(const DaemonStatus& status) {
@@ -163,6 +188,9 @@ Json status_json(const DaemonStatus& status) {
         {"keyframes_left_out", health.graph->keyframes_left_out},
         {"map_T_odom",
          {{"x_m", map_T_odom.x_m}, {"y_m", map_T_odom.y_m}, {"yaw_deg", map_T_odom.yaw_rad * kDegPerRad}}}};
+  }
+  if (status.world) {
+    json["world"] = world_json(*status.world);
   }
   return json;
 }

@@ -6,6 +6,7 @@
 
 #include "firmware/records/health.hpp"
 #include "firmware/records/records.hpp"
+#include "firmware/world/world_report.hpp"
 
 namespace odoless {
 
@@ -33,6 +34,7 @@ struct DaemonStatus {
   MapSize map{};
   double poses_hz = 0.0;  ///< published, over the last second
   SaveStatus save{};
+  std::optional<WorldReport> world{};  ///< none: there is no world file
 };
 
 /// A few lines for a person: the state with its reasons first.

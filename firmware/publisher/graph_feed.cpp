@@ -77,7 +77,12 @@ void GraphFeed::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
   job.keyframe.since_last = std::exchange(since_left_out_, {}).then(keyframe.since_last);
   job.codes.assign(codes.begin(), codes.end());
   ++pushed_;
+  lock.unlock();
   changed_.notify_all();
+  if (observer_) {
+    observer_(job.keyframe, job.codes);  // nobody writes it but who adds
+  }
+  lock.lock();
   if (lossless_ && thread_.started()) {
     changed_.wait(lock, [this] { return waiting() == 0 && !is_busy_; });
   }
@@ -238,16 +243,31 @@ GraphHealth GraphFeed::health() const {
   return health_;
 }
 
-std::optional<TrajectoryCorrection> GraphFeed::write(bool is_last, OccupancyMap& map) {
-  if (is_last && thread_.started()) {
+bool GraphFeed::look(Patience patience, const std::function<void(const SubmapGraph&, int)>& show) {
+  const std::unique_lock lock(graph_mutex_, patience);
+  if (lock.owns_lock()) {
+    show(*graph_, map_number_);
+  }
+  return lock.owns_lock();
+}
+
+void GraphFeed::finish() {
+  if (thread_.started()) {
     is_hurried_ = true;
     std::unique_lock lock(queue_mutex_);
     changed_.wait(lock, [this] { return waiting() == 0 && !is_busy_; });
   }
   const std::lock_guard lock(graph_mutex_);
-  if (is_last) {
+  if (!std::exchange(is_finished_, true)) {
     graph_->finish();
   }
+}
+
+std::optional<TrajectoryCorrection> GraphFeed::write(bool is_last, OccupancyMap& map) {
+  if (is_last) {
+    finish();
+  }
+  const std::lock_guard lock(graph_mutex_);
   if (graph_->submaps().empty()) {
     return std::nullopt;
   }

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "config/robot_params.hpp"
@@ -28,6 +31,9 @@ class GraphFeed {
   static constexpr std::size_t kStack_bytes = std::size_t{2} << 20;
   static constexpr std::size_t kScratch_bytes = std::size_t{4} << 20;  ///< of matches and solutions
 
+  using Patience = std::chrono::milliseconds;
+  using Observer = std::function<void(const Keyframe&, std::span<const BeamCode>)>;
+
   /// @param lossless  No keyframe is left out: `add` waits.
   GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossless);
   /// Starts the thread. @return  0, or the errno for which there is none.
@@ -36,6 +42,8 @@ class GraphFeed {
   GraphFeed(const GraphFeed&) = delete;
   GraphFeed& operator=(const GraphFeed&) = delete;
 
+  /// Before the first keyframe: told each that is not left out, by who adds it.
+  void tell(Observer observer) { observer_ = std::move(observer); }
   /// Another map number than before begins anew. In a lossless replay it waits until all that comes of it is done, so
   /// that corrections go in at the same scans however fast the machine is.
   void add(const Keyframe& keyframe, std::span<const BeamCode> codes);
@@ -49,9 +57,13 @@ class GraphFeed {
 
   /// What it has come to.
   [[nodiscard]] GraphHealth health() const;
+  /// Shows the graph and its map number, unless it is at work for longer than that. @return  Whether it was shown.
+  [[nodiscard]] bool look(Patience patience, const std::function<void(const SubmapGraph&, int)>& show);
+  /// The run is over: works on all that waits, and ends the graph. Once; later calls do nothing.
+  void finish();
   /// The map as known now, and what corrects the trajectory; none where there is no submap yet, and nothing is written.
   /// Allocates, and holds up the graph meanwhile.
-  /// @param is_last  The run is over: all that waits is worked on before.
+  /// @param is_last  The run is over: it is finished before.
   [[nodiscard]] std::optional<TrajectoryCorrection> write(bool is_last, OccupancyMap& map);
 
  private:
@@ -104,13 +116,15 @@ class GraphFeed {
   std::vector<Tile> tiles_told_;  ///< a ring
   std::size_t tiles_pushed_ = 0;
   std::size_t tiles_taken_ = 0;
-  mutable std::mutex graph_mutex_;
+  Observer observer_;
+  mutable std::timed_mutex graph_mutex_;
   std::optional<SubmapGraph> graph_;  ///< always there; begun anew with another map
   std::optional<WorldTiles> tiles_;   ///< likewise
   std::int64_t drawn_revision_ = 0;
   std::int64_t placed_revision_ = 0;
   int drawn_keyframes_ = 0;
   int map_number_ = 0;
+  bool is_finished_ = false;
   RealTimeThread thread_;
 };
 

@@ -33,6 +33,16 @@ void Publisher::attach(const RobotParams& robot, std::uint64_t seed) {
   graph_ = std::make_unique<GraphFeed>(robot, seed, pipeline_.lossless);
 }
 
+void Publisher::keep_world(const WorldParams& params, const SessionRecord& session, int keyframes_max) {
+  world_ = std::make_unique<WorldKeeper>(params, session, keyframes_max);
+  graph_->tell([this](const Keyframe& keyframe, std::span<const BeamCode> codes) { world_->add(keyframe, codes); });
+}
+
+int Publisher::start_graph() {
+  const int error = graph_ ? graph_->start() : 0;
+  return error == 0 && world_ ? world_->start(*graph_) : error;
+}
+
 void Publisher::round(std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   drain(pipeline_.gpio);
@@ -126,6 +136,9 @@ void Publisher::take_pose(std::span<const std::byte> bytes) {
   }
   map_T_local_ = pose.map_T_odom * odom_T_local;
   poses_.add(pose);
+  if (world_) {
+    world_->add(StampedPose{pose.stamp_ns, pose.odom_T_scan}, pose.map_number);
+  }
   last_pose_ = pose;
   ++poses_counted_;
   if (cloud_) {
@@ -221,6 +234,10 @@ void Publisher::watch(std::int64_t now_ns) {
   surroundings_.publish_errors = link_.counters().errors;
   const int kept_error = recorder_.counters().last_error != 0 ? recorder_.counters().last_error : poses_.error();
   surroundings_.storage_error = kept_error != 0 ? kept_error : surroundings_.save_error;
+  if (const WorldReport world = world_ ? world_->report() : WorldReport{}; world_) {
+    surroundings_.checkpoint_age_s = world.age_s;
+    surroundings_.storage_error = world.error != 0 ? world.error : surroundings_.storage_error;
+  }
   surroundings_.cloud = cloud_ ? std::optional(cloud_->health()) : std::nullopt;
   surroundings_.graph = graph_ ? std::optional(graph_->health()) : std::nullopt;
   take_rate(now_ns);
@@ -291,7 +308,13 @@ DaemonStatus Publisher::status() const {
   return make_status();
 }
 
-DaemonStatus Publisher::make_status() const { return {health_, last_pose_, map_.size(), poses_hz_}; }
+DaemonStatus Publisher::make_status() const {
+  return {.health = health_,
+          .pose = last_pose_,
+          .map = map_.size(),
+          .poses_hz = poses_hz_,
+          .world = world_ ? std::optional(world_->report()) : std::nullopt};
+}
 
 CpuHistograms Publisher::cpu() const {
   const std::lock_guard lock(mutex_);

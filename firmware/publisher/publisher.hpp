@@ -20,6 +20,7 @@
 #include "firmware/publisher/pose_spool.hpp"
 #include "firmware/publisher/pose_stream.hpp"
 #include "firmware/web/live_view.hpp"
+#include "firmware/world/world_keeper.hpp"
 #include "rt/clock.hpp"
 
 namespace odoless {
@@ -49,9 +50,14 @@ class Publisher {
 
   /// Before the first round: the pose graph is fed, and what is saved is its own.
   void attach(const RobotParams& robot, std::uint64_t seed);
-  /// Starts the pose graph's thread, where there is one. @return  0, or an errno.
-  [[nodiscard]] int start_graph() { return graph_ ? graph_->start() : 0; }
-  [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
+  /// After the graph: what it is fed with is kept in a world file as well.
+  void keep_world(const WorldParams& params, const SessionRecord& session, int keyframes_max);
+  /// Null: there is none.
+  [[nodiscard]] WorldKeeper* world() { return world_.get(); }
+  /// Starts the threads of graph and world file, where they are. @return  0, or an errno.
+  [[nodiscard]] int start_graph();
+  /// Threads that `start_graph` starts.
+  [[nodiscard]] int threads() const { return (graph_ ? 1 : 0) + (world_ ? 1 : 0); }
   /// Any thread: a pose of the map frame in the filter's own map.
   [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const {
     return graph_ ? graph_->to_local(map_T_scan) : map_T_scan;
@@ -124,9 +130,10 @@ class Publisher {
   Surroundings surroundings_;
   HealthReport health_;
   MapStore map_;
-  std::unique_ptr<CloudFeed> cloud_;  ///< null: there is none
-  std::unique_ptr<GraphFeed> graph_;  ///< null: there is none
-  std::unique_ptr<LiveView> live_;    ///< null: there is none
+  std::unique_ptr<CloudFeed> cloud_;    ///< null: there is none
+  std::unique_ptr<GraphFeed> graph_;    ///< null: there is none
+  std::unique_ptr<WorldKeeper> world_;  ///< null: there is none; ends before the graph
+  std::unique_ptr<LiveView> live_;      ///< null: there is none
   PoseSpool poses_;
   bool wants_link_;
   bool link_refuses_ = false;  ///< messages, and it is told

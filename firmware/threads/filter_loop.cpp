@@ -65,6 +65,9 @@ void FilterLoop::process(const MotionMessage& message) {
 }
 
 void FilterLoop::tell_keyframe(const MotionMessage& message, const FilterStep& step) {
+  if (keyframes_) {
+    keyframes_->set_sure(step.tracking == Tracking::kSure);
+  }
   if (keyframes_ && step.found) {
     keyframes_->note_found();
   }

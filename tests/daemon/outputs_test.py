@@ -218,29 +218,13 @@ class OutputsTest(DaemonCase):
 
     def start_on_faulty_disk(self):
         """A daemon whose disk does as `self.disk` says."""
-        library = self.path("disk_faults.so")
-        compiler = shutil.which("cc") or shutil.which("gcc")
-        if compiler is None:
-            self.skipTest("there is no C compiler")
-        subprocess.run([compiler, "-shared", "-fPIC", "-o", library, os.path.join(SOURCES, "tests/daemon/disk_faults.c"), "-ldl"],
-                       check=True)
         self.notified = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self.addCleanup(self.notified.close)
         self.notified.bind(self.path("notify"))
         self.notified.setblocking(False)
-        command = [os.path.join(PROGRAMS, "odolessd"), "--config", self.config, "--out", self.path("out")]
-        daemon = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                                  env=os.environ | {"LD_PRELOAD": library, "DISK_FAULT": self.path("fault"),
-                                                    "NOTIFY_SOCKET": self.path("notify")})
-        self.addCleanup(self.end, daemon)
-        self.processes.append(daemon)
+        daemon = self.start_daemon(environment=self.faulty_disk() | {"NOTIFY_SOCKET": self.path("notify")})
         self.wait_until_ok()
         return daemon
-
-    def disk(self, fault):
-        with open(self.path("fault.new"), "w", encoding="ascii") as file:
-            file.write(fault)
-        os.replace(self.path("fault.new"), self.path("fault"))
 
     def test_a_broken_disk_damages_nothing_and_is_told_until_it_works(self):
         self.start_laser()

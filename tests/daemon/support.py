@@ -4,6 +4,7 @@ import bisect
 import json
 import math
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -59,16 +60,17 @@ class DaemonCase(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def write_config(self, name, more="", device=None, lrf="", url='url = ""\n'):
+    def write_config(self, name, more="", device=None, lrf="", url='url = ""\n', socket="control"):
         with open(self.path(name), "w", encoding="utf-8") as file:
             file.write(
                 f'[lrf]\ndevice = "{device or self.path("laser")}"\n{lrf}[lcm]\n{url}'
-                f'[control]\nsocket = "{self.path("control")}"\n{more}'
+                f'[control]\nsocket = "{self.path(socket)}"\n{more}'
             )
         return self.path(name)
 
-    def start(self, *command, stdout=subprocess.DEVNULL):
-        process = subprocess.Popen(program(*command), stdout=stdout, stderr=subprocess.PIPE, text=True)
+    def start(self, *command, stdout=subprocess.DEVNULL, environment=None):
+        process = subprocess.Popen(program(*command), stdout=stdout, stderr=subprocess.PIPE, text=True,
+                                   env=os.environ | (environment or {}))
         self.addCleanup(self.end, process)
         self.processes.append(process)
         return process
@@ -84,8 +86,23 @@ class DaemonCase(unittest.TestCase):
         self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
         return laser
 
-    def start_daemon(self, *more):
-        return self.start("odolessd", "--config", self.config, "--out", self.path("out"), *more)
+    def start_daemon(self, *more, environment=None):
+        return self.start("odolessd", "--config", self.config, "--out", self.path("out"), *more, environment=environment)
+
+    def faulty_disk(self, at=""):
+        """The environment of a program whose disk does what `disk` says. at: part of the paths of a database."""
+        library = self.path("disk_faults.so")
+        compiler = shutil.which("cc") or shutil.which("gcc")
+        if compiler is None:
+            self.skipTest("there is no C compiler")
+        subprocess.run([compiler, "-shared", "-fPIC", "-o", library, os.path.join(SOURCES, "tests/daemon/disk_faults.c"), "-ldl"],
+                       check=True)
+        return {"LD_PRELOAD": library, "DISK_FAULT": self.path("fault")} | ({"DISK_FAULT_AT": at} if at else {})
+
+    def disk(self, fault):
+        with open(self.path("fault.new"), "w", encoding="ascii") as file:
+            file.write(fault)
+        os.replace(self.path("fault.new"), self.path("fault"))
 
     def start_servo(self, *more):
         servo = self.start("odoless", "emulate", "servo", "--dynamixel", "--pty", self.path("servo"), *more)

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -85,6 +86,24 @@ TEST(Status, TellsHowASaveGetsOn) {
   status.save = {.state = SaveStatus::State::kFailed, .since_s = 3.0, .wrong = "/out: No space left on device"};
   EXPECT_THAT(status_text(status), HasSubstr("save: FAILED 3.0 s ago: /out: No space left on device\n"));
   EXPECT_EQ(status_json(status)["save"]["error"], "/out: No space left on device");
+}
+
+TEST(Status, TellsOfTheWorldFile) {
+  DaemonStatus status = lost_status();
+  EXPECT_THAT(status_text(status), ::testing::Not(HasSubstr("world:")));
+  EXPECT_FALSE(status_json(status).contains("world"));
+  status.world = {.file = "/w", .uuid = "1-2", .revision = 7, .session = 3, .keyframes = 80, .age_s = 0.5};
+  EXPECT_THAT(status_text(status),
+              HasSubstr("world: /w, 1-2, revision 7, session 3: 80 keyframes, written 0.5 s ago\n"));
+  EXPECT_EQ(status_json(status)["world"]["uuid"], "1-2");
+  EXPECT_EQ(status_json(status)["world"]["revision"], 7);
+  status.world->error = ENOSPC;
+  status.world->reason = "No space left on device";
+  status.world->not_written = 6;
+  status.world->scans_lost = 40;
+  EXPECT_THAT(status_text(status), HasSubstr("world: /w cannot be written for 0 s: No space left on device; 6 "
+                                             "keyframes wait; lost: 0 keyframes, the poses of 40 scans\n"));
+  EXPECT_EQ(status_json(status)["world"]["error"], "No space left on device");
 }
 
 TEST(Status, BeforeTheFirstPoseThereIsNone) {

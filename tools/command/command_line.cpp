@@ -30,6 +30,7 @@
 #include "tools/command/probe.hpp"
 #include "tools/command/replay.hpp"
 #include "tools/command/sim.hpp"
+#include "tools/command/world.hpp"
 
 namespace odoless {
 namespace {
@@ -48,6 +49,7 @@ void add_commands(CLI::App& app) {
   add_info(app);
   add_eval(app);
   add_graph(app);
+  add_world(app);
   add_sim(app);
   add_experiment(app);
   add_campaign(app);

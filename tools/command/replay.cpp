@@ -25,6 +25,7 @@
 #include "tools/output/sha256.hpp"
 #include "tools/output/trajectory.hpp"
 #include "tools/output/whole_file.hpp"
+#include "tools/output/world_output.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/replay/replay_page.hpp"
 #include "tools/replay/summary.hpp"
@@ -44,6 +45,7 @@ struct LogJob {
   std::string config;
   std::string truth;
   std::string web;
+  std::filesystem::path world;
   double period_ms = 200.0;
   bool strict = false;
   bool force = false;
@@ -167,6 +169,21 @@ void write_replay(const LogJob& job, const std::filesystem::path& folder, const 
   write_summary(folder, summary);
 }
 
+/// Where a world file is asked for: the pose graph goes there in the end. It is opened now, before the work.
+void keep_world(const LogJob& job, const RobotParams& params, ReplayOptions& options) {
+  if (job.world.empty()) {
+    return;
+  }
+  if (!params.graph.enabled) {
+    throw UsageError("--world needs the pose graph, and graph.enabled is false");
+  }
+  options.on_graph =
+      [file = std::make_shared<WorldOutput>(job.world, ODOLESS_VERSION),
+       session =
+           SessionRecord{utc_text(), ODOLESS_VERSION, write_toml(params), static_cast<std::int64_t>(job.options.seed)}](
+          const SubmapGraph& graph, std::span<const StampedPose> odom) { file->write(session, graph, odom); };
+}
+
 void run_replay(const LogJob& job) {
   const RobotParams params = load(job.config);
   if (!job.truth.empty()) {
@@ -176,12 +193,14 @@ void run_replay(const LogJob& job) {
   Outcome outcome;
   const ScanLog log = read_log(job, outcome.corrected);
   ResultFolder folder(job.out, job.force);
+  ReplayOptions options = job.options;
+  keep_world(job, params, options);
   const auto page = job.web.empty() ? nullptr : std::make_unique<ReplayPage>(job.web);
   const std::int64_t scans = scans_used(log, job.options.every);
   ReplayResult result;
   {
     Progress bar(scans, InPipe::kLines);
-    result = replay(log, params, job.options, show_on(bar), page ? page->watcher() : ReplayWatcher());
+    result = replay(log, params, options, show_on(bar), page ? page->watcher() : ReplayWatcher());
   }
   outcome.figures = figures_of(result);
   outcome.verdict = judge(outcome.figures);
@@ -254,6 +273,8 @@ void add_replay(CLI::App& app) {
   const auto job = std::make_shared<LogJob>();
   CLI::App* const command = add_log_job(app, "replay", "Map a recorded log with the laser alone", *job);
   command->add_option("--truth", job->truth, "True poses, only drawn into the picture: TUM, `stamp x y yaw`, or a log");
+  command->add_option("--world", job->world,
+                      "World file to add this replay to as a session; made where it is not there");
   command->add_option("--web", job->web, "ADDRESS:PORT of a page that shows the replay, until interrupted");
   command->callback([job] { run_replay(*job); });
 }

@@ -32,6 +32,7 @@ constexpr const char* kPurpose = "SLAM for robots without odometry: the daemon";
 struct Arguments {
   std::string config;
   std::string out;
+  std::string world;
   std::string stages = "sensor,matcher,filter";
   std::string replay;
   double rate = 0.0;
@@ -52,6 +53,8 @@ void define(CLI::App& app, Arguments& arguments) {
       "--out", arguments.out,
       "Folder of runs: map, trajectories and summary of this one go into a new folder in there, at the end and on "
       "`odoless ctl save`; `latest` leads to it");
+  app.add_option("--world", arguments.world,
+                 "World file that keyframes, submaps and the pose graph are kept in; made where it is not there");
   app.add_option("--stages", arguments.stages, "What runs here; the rest runs elsewhere: " + std::string(kStageSets))
       ->capture_default_str();
   app.add_option("--replay", arguments.replay, "A recorded log instead of the laser; ends with it");
@@ -91,7 +94,18 @@ DaemonOptions options_of(const Arguments& arguments) {
   if (!arguments.config.empty()) {
     load(arguments.config, options.params);
   }
+  if (!arguments.world.empty()) {
+    options.params.world.file = arguments.world;
+  }
+  if (const std::string wrong = options.params.contradiction(); !wrong.empty()) {
+    throw ConfigError({wrong});
+  }
+  options.version = ODOLESS_VERSION;
+  options.configuration = write_toml(options.params);
   options.stages = stages_of(arguments.stages);
+  if (!arguments.world.empty() && !has_filter(options.stages)) {
+    throw UsageError("--world needs the filter stage here, which has the map");
+  }
   options.seed = arguments.seed;
   options.require_realtime = arguments.require_realtime;
   options.enforce_realtime = arguments.enforce_realtime;

@@ -17,6 +17,7 @@ class GraphRun {
 
   /// Every scan and what the stages made of it. @param step  As the filter has it in its own map; in the world then.
   void add(const ScanFrame& scan, const Motion& motion, FilterStep& step) {
+    gate_.set_sure(step.tracking == Tracking::kSure);
     if (step.found) {
       gate_.note_found();
     }

@@ -188,7 +188,11 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
   }
   ReplayResult result = recorder.finish(chain.filter().filter());
   if (graph) {
-    finish(graph->finished(), params, odom, result);
+    const SubmapGraph& finished = graph->finished();
+    if (options.on_graph) {
+      options.on_graph(finished, odom);
+    }
+    finish(finished, params, odom, result);
   }
   result.source = chain.sensor().counts();
   result.log_duration_s = to_s(log.scans[static_cast<std::size_t>(used.back())].stamp_ns - log.scans.front().stamp_ns);

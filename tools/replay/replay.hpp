@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,14 @@
 
 namespace odoless {
 
+/// Called at the end with the pose graph, where it is on, and odom_T_scan of all scans used.
+using GraphWatcher = std::function<void(const SubmapGraph&, std::span<const StampedPose>)>;
+
 /// Which scans of a log are used, and the generator's seed.
 struct ReplayOptions {
   int every = 1;
   std::uint64_t seed = 1;
+  GraphWatcher on_graph{};  ///< may be empty
 };
 
 /// Called after each scan that was accepted, with what the stages made of it; may be empty.

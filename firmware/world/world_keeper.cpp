@@ -1,0 +1,252 @@
+#include "firmware/world/world_keeper.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <utility>
+
+#include "firmware/daemon/log.hpp"
+#include "rt/cpu_clock.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr GraphFeed::Patience kPatience = std::chrono::milliseconds(100);
+constexpr GraphFeed::Patience kAtTheEnd = std::chrono::seconds(60);
+
+}  // namespace
+
+WorldKeeper::WorldKeeper(const WorldParams& params, SessionRecord session, int keyframes_max)
+    : params_(params),
+      session_(std::move(session)),
+      keyframes_max_(keyframes_max),
+      thread_({.name = "odo-world", .stack_bytes = kStack_bytes}) {
+  report_.file = params.file;
+  // Memory that was used once stays with the process (MemoryLock).
+  std::vector<std::byte> scratch(kScratch_bytes);
+  static_cast<volatile std::byte&>(scratch.back()) = {};
+}
+
+WorldKeeper::~WorldKeeper() {
+  end(Stage::kLeft);
+  if (thread_.started()) {
+    thread_.join();
+  }
+}
+
+FileFailure WorldKeeper::open() {
+  FileFailure failed = file_.open_to_write(params_.file, session_.program);
+  report_.uuid = file_.identity().uuid;
+  report_.revision = file_.identity().revision;
+  written_ns_ = monotonic_ns();
+  return failed;
+}
+
+int WorldKeeper::start(GraphFeed& graph) {
+  graph_ = &graph;
+  return thread_.start([this] { run(); });
+}
+
+void WorldKeeper::end(Stage stage) {
+  const std::lock_guard lock(mutex_);
+  if (stage_ == Stage::kRunning) {
+    stage_ = stage;
+    progress_ns_ = monotonic_ns();
+    changed_.notify_all();
+  }
+}
+
+void WorldKeeper::begin_end() { end(thread_.started() ? Stage::kToEnd : Stage::kEnded); }
+
+bool WorldKeeper::is_ending() const {
+  const std::lock_guard lock(mutex_);
+  return stage_ == Stage::kToEnd;
+}
+
+std::int64_t WorldKeeper::since_progress_ns() const {
+  const std::lock_guard lock(mutex_);
+  return monotonic_ns() - progress_ns_;
+}
+
+WorldKeeper::Batch& WorldKeeper::batch_of(int map_number) {
+  if (batches_.empty() || batches_.back().map_number != map_number) {
+    if (batches_.size() == kMaps_max) {
+      report_.keyframes_lost += batches_[1].seen;  // the first one may be under way
+      batches_.erase(batches_.begin() + 1);
+    }
+    batches_.push_back({.map_number = map_number, .seen = 0, .keyframes = {}, .odometry = {}});
+  }
+  return batches_.back();
+}
+
+void WorldKeeper::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
+  const std::lock_guard lock(mutex_);
+  Batch& batch = batch_of(keyframe.map_number);
+  if (batch.seen == keyframes_max_) {
+    return;  // the pose graph takes no more either
+  }
+  if (batch.keyframes.size() == kKeyframes_max) {
+    batch.keyframes.clear();  // the pose graph has them
+  }
+  batch.keyframes.push_back({keyframe, {codes.begin(), codes.end()}});
+  ++batch.seen;
+}
+
+void WorldKeeper::add(const StampedPose& odom_T_scan, int map_number) {
+  const std::lock_guard lock(mutex_);
+  std::vector<StampedPose>& odometry = batch_of(map_number).odometry;
+  if (odometry.size() >= kOdometry_max) {
+    constexpr std::ptrdiff_t kPart = kOdometry_max / 16;
+    odometry.erase(odometry.begin(), odometry.begin() + kPart);
+    report_.scans_lost += kPart;
+  }
+  odometry.push_back(odom_T_scan);
+}
+
+// From one beginning to the next: on a slow disk, what a write takes would come on top of the pause.
+void WorldKeeper::run() {
+  using Clock = std::chrono::steady_clock;
+  const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(params_.write_every_s));
+  Clock::time_point begin = Clock::now();
+  std::unique_lock lock(mutex_);
+  while (!changed_.wait_until(lock, begin + period, [this] { return stage_ != Stage::kRunning; })) {
+    begin = Clock::now();
+    lock.unlock();
+    round(kPatience);
+    lock.lock();
+  }
+  if (stage_ == Stage::kToEnd) {
+    lock.unlock();
+    finish();
+    lock.lock();
+    stage_ = Stage::kEnded;
+  }
+}
+
+void WorldKeeper::finish() {
+  graph_->finish();
+  round(kAtTheEnd);
+  file_.close();
+  if (const WorldReport last = report(); last.error != 0) {
+    log_line(EventPriority::kError, fmt::format("world file {}: {}: {} keyframes of this run are not in it",
+                                                params_.file, last.reason, last.not_written));
+  }
+}
+
+void WorldKeeper::round(GraphFeed::Patience patience) {
+  while (write_some(patience)) {
+  }
+}
+
+bool WorldKeeper::write_some(GraphFeed::Patience patience) {
+  FileFailure failed = make_ready();
+  WorldChanges changes;
+  const int map_number = failed.any() ? -1 : take(changes);
+  bool has_more = false;
+  if (map_number >= 0) {
+    static_cast<void>(graph_->look(patience, [&](const SubmapGraph& graph, int graph_map_number) {
+      has_more = graph_map_number == map_number && mirror_.collect(graph, changes);
+    }));
+    failed = file_.write(*place_, changes);
+    if (failed.any()) {
+      give_back(changes);
+    } else {
+      mirror_.take(changes);
+    }
+  }
+  note(failed);
+  return !failed.any() && map_number >= 0 && (has_more || begin_next_map());
+}
+
+// A file that was removed or replaced is made anew: all of this session that the graph has goes there.
+FileFailure WorldKeeper::make_ready() {
+  if (!file_.is_open() || !file_.is_in_place()) {
+    place_.reset();
+    mirror_ = {};
+    if (FileFailure failed = file_.open_to_write(params_.file, session_.program); failed.any()) {
+      return failed;
+    }
+  }
+  if (place_) {
+    return {};
+  }
+  session_.started = utc_text();
+  WorldPlace place;
+  FileFailure failed = file_.begin(session_, place);
+  if (!failed.any()) {
+    place_ = place;
+  }
+  return failed;
+}
+
+int WorldKeeper::take(WorldChanges& changes) {
+  const std::lock_guard lock(mutex_);
+  if (batches_.empty()) {
+    return -1;
+  }
+  Batch& batch = batches_.front();
+  changes.odometry = std::exchange(batch.odometry, {});
+  const int first = batch.seen - static_cast<int>(batch.keyframes.size());
+  changes.first_keyframe = mirror_.keyframes();
+  if (first == mirror_.keyframes()) {  // else some are missing, which the graph has
+    changes.keyframes = std::exchange(batch.keyframes, {});
+  }
+  batch.keyframes.clear();
+  return batch.map_number;
+}
+
+void WorldKeeper::give_back(WorldChanges& changes) {
+  const std::lock_guard lock(mutex_);
+  std::vector<StampedPose>& odometry = batches_.front().odometry;
+  odometry.insert(odometry.begin(), changes.odometry.begin(), changes.odometry.end());
+}
+
+bool WorldKeeper::begin_next_map() {
+  const std::lock_guard lock(mutex_);
+  if (batches_.size() < 2) {
+    return false;
+  }
+  if (!batches_.front().keyframes.empty() || !batches_.front().odometry.empty()) {
+    return true;  // came while the rest was written
+  }
+  report_.keyframes_lost += batches_.front().seen - mirror_.keyframes();
+  batches_.pop_front();
+  place_.reset();
+  mirror_ = {};
+  return true;
+}
+
+void WorldKeeper::note(const FileFailure& failed) {
+  int before = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    before = std::exchange(report_.error, failed.error);
+    report_.reason = failed.text;
+    report_.uuid = file_.is_open() ? file_.identity().uuid : report_.uuid;
+    report_.revision = file_.is_open() ? file_.identity().revision : report_.revision;
+    report_.keyframes = mirror_.keyframes();
+    report_.not_written = batches_.empty() ? 0 : batches_.front().seen - mirror_.keyframes();
+    report_.session = place_ ? place_->session : 0;
+    progress_ns_ = monotonic_ns();
+    written_ns_ = failed.any() ? written_ns_ : progress_ns_;
+  }
+  if (failed.error != before) {
+    log_line(failed.any() ? EventPriority::kError : EventPriority::kNotice,
+             failed.any()
+                 ? fmt::format("world file {}: {}; mapping goes on, and what is missing is written when that is "
+                               "possible again",
+                               params_.file, failed.text)
+                 : fmt::format("world file {}: all is written again", params_.file));
+  }
+}
+
+WorldReport WorldKeeper::report() const {
+  const std::lock_guard lock(mutex_);
+  WorldReport report = report_;
+  report.age_s = static_cast<double>(monotonic_ns() - written_ns_) * 1e-9;
+  return report;
+}
+
+}  // namespace odoless

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware/publisher/graph_feed.hpp"
+#include "firmware/world/world_file.hpp"
+#include "firmware/world/world_mirror.hpp"
+#include "firmware/world/world_params.hpp"
+#include "firmware/world/world_report.hpp"
+#include "rt/real_time_thread.hpp"
+
+namespace odoless {
+
+/// Keeps a world file up with what a daemon maps, on an ordinary thread of its own: keyframes as soon as they are
+/// taken, submaps, constraints and poses when the pose graph has them. A map that is begun anew is a new session.
+///
+/// Where the file cannot be written, mapping goes on: what is missing is taken from the pose graph, which has it in any
+/// case, as soon as there is room. Of the poses of scans the last kOdometry_max wait, half an hour at 40 Hz.
+///
+/// Memory is bounded. Thread: `add` is the publisher's; `begin_end`, `is_ending` and `report` are any's.
+class WorldKeeper {
+ public:
+  static constexpr std::size_t kOdometry_max = 65'536;
+  static constexpr std::size_t kStack_bytes = std::size_t{1} << 20;
+  static constexpr std::size_t kScratch_bytes = std::size_t{6} << 20;  ///< SQLite's pages, and what waits
+
+  /// @param session        Of its configuration; `started` is set here.
+  /// @param keyframes_max  Of the pose graph.
+  WorldKeeper(const WorldParams& params, SessionRecord session, int keyframes_max);
+  ~WorldKeeper();
+  WorldKeeper(const WorldKeeper&) = delete;
+  WorldKeeper& operator=(const WorldKeeper&) = delete;
+
+  /// Opens the file, or makes it, before anything runs.
+  FileFailure open();
+  /// Starts the thread. @param graph  Must outlive it. @return  0, or the errno for which there is none.
+  [[nodiscard]] int start(GraphFeed& graph);
+
+  /// Every keyframe that goes to the pose graph.
+  void add(const Keyframe& keyframe, std::span<const BeamCode> codes);
+  /// Every scan's odom_T_scan.
+  void add(const StampedPose& odom_T_scan, int map_number);
+  /// No more will be added: ends the pose graph, writes all and closes the file, on its thread.
+  void begin_end();
+  [[nodiscard]] bool is_ending() const;
+  /// Since it last got on with that.
+  [[nodiscard]] std::int64_t since_progress_ns() const;
+
+  [[nodiscard]] WorldReport report() const;
+
+ private:
+  /// What waits of one map.
+  struct Batch {
+    int map_number = 0;
+    int seen = 0;  ///< keyframes of this map, written or not; `keyframes` are the last of them
+    std::vector<StoredKeyframe> keyframes;
+    std::vector<StampedPose> odometry;
+  };
+  static constexpr std::size_t kKeyframes_max = 128;
+  static constexpr std::size_t kMaps_max = 16;
+
+  enum class Stage : std::uint8_t { kRunning, kToEnd, kLeft, kEnded };
+
+  void run();
+  void end(Stage stage);
+  void finish();
+  [[nodiscard]] Batch& batch_of(int map_number);
+  /// Writes what there is. @param patience  How long to wait for the graph.
+  void round(GraphFeed::Patience patience);
+  /// Of the oldest map. @return  Whether there is more.
+  bool write_some(GraphFeed::Patience patience);
+  [[nodiscard]] FileFailure make_ready();
+  /// Takes what waits of the oldest map. @return  Its map number; -1: there is none.
+  int take(WorldChanges& changes);
+  void give_back(WorldChanges& changes);
+  /// To the next map, where there is one and this one is written. @return  Whether there is more to write.
+  bool begin_next_map();
+  void note(const FileFailure& failed);
+
+  WorldParams params_;
+  SessionRecord session_;
+  int keyframes_max_;
+  WorldFile file_;
+  std::optional<WorldPlace> place_;
+  WorldMirror mirror_;
+  GraphFeed* graph_ = nullptr;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Batch> batches_;
+  WorldReport report_;
+  std::int64_t written_ns_ = 0;
+  std::int64_t progress_ns_ = 0;
+  Stage stage_ = Stage::kRunning;
+  RealTimeThread thread_;
+};
+
+}  // namespace odoless

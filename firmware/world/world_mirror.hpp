@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "core/graph/submap_graph.hpp"
+#include "firmware/world/world_contents.hpp"
+
+namespace odoless {
+
+/// What a file has of a session, so that only what is new or changed is written. The graph itself holds what could not
+/// be written yet: no further memory is needed for it.
+///
+/// Thread: owned by one thread.
+class WorldMirror {
+ public:
+  static constexpr int kKeyframes_max = 256;  ///< that are taken from a graph at a time
+
+  /// Adds what the file does not have: keyframes where `changes` has none yet, submaps whose keyframes are there,
+  /// constraints, poses and weights. @return  Whether there is more.
+  bool collect(const SubmapGraph& graph, WorldChanges& changes) const;
+  /// These are in the file.
+  void take(const WorldChanges& changes);
+
+  [[nodiscard]] int keyframes() const { return keyframes_; }
+
+ private:
+  void collect_constraints(const SubmapGraph& graph, int submaps, WorldChanges& changes) const;
+
+  int keyframes_ = 0;
+  std::vector<Pose2> poses_;     ///< of submaps
+  std::vector<double> weights_;  ///< of constraints
+};
+
+}  // namespace odoless

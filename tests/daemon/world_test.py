@@ -1,0 +1,235 @@
+"""The world file from outside: what is mapped lasts, whatever befalls the process or the disk.
+
+As: python3 world_test.py PROGRAMS SOURCES
+"""
+
+import contextlib
+import json
+import os
+import random
+import shutil
+import signal
+import sqlite3
+import struct
+import sys
+import time
+import unittest
+
+from support import DaemonCase, WORLD, run
+
+EX_USAGE, EX_DATAERR, EX_UNAVAILABLE, EX_CANTCREAT, EX_CONFIG = 64, 65, 69, 73, 78
+KILLS = int(os.environ.get("ODOLESS_KILLS", "10"))
+POSE_BYTES = 32
+
+
+def content(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+class World(DaemonCase):
+    def world(self, *command, status=0):
+        outcome = run("odoless", "world", *command)
+        self.assertEqual(outcome.returncode, status, outcome.stderr)
+        return outcome
+
+    def log(self):
+        log = self.path("rooms.log")
+        self.assertEqual(run("odoless", "sim", WORLD, "--out", log).returncode, 0)
+        return log
+
+    def ask(self, query):
+        """The first value that the file gives now, as any reader of SQLite sees it."""
+        with contextlib.closing(sqlite3.connect(f"file:{self.path('w')}?mode=ro", uri=True)) as database:
+            return database.execute(query).fetchone()[0]
+
+    def count(self, table):
+        return self.ask(f"SELECT count(*) FROM {table}")
+
+    def count_in_time(self, table):
+        try:
+            return self.count(table)
+        except sqlite3.OperationalError:  # not yet made
+            return 0
+
+    def start_world(self, environment=None):
+        self.start_laser()
+        daemon = self.start_daemon("--world", self.path("w"), environment=environment)
+        self.wait_until(lambda: self.count_in_time("keyframe") > 1, 20)
+        return daemon
+
+    def status_json(self):
+        return json.loads(self.answer("status json"))
+
+    def expect_as_saved(self):
+        """What the world's last session says is what the daemon saved at its end."""
+        self.world("check", self.path("w"))
+        self.world("export", self.path("w"), "--out", self.path("again"), "--force")
+        self.assertEqual(content(self.path("out/latest/trajectory.tum")), content(self.path("again/trajectory.tum")))
+
+    def last_stamp_ns(self):
+        """Of the last scan that is in the file."""
+        poses = self.ask("SELECT poses FROM odometry ORDER BY id DESC LIMIT 1")
+        return struct.unpack_from("<q", poses, len(poses) - POSE_BYTES)[0]
+
+    def test_exports_what_a_replay_gave(self):
+        log = self.log()
+        self.assertEqual(run("odoless", "replay", log, "--out", self.path("plain"), "--world", self.path("w")).returncode, 0)
+        self.world("check", self.path("w"))
+        self.world("export", self.path("w"), "--out", self.path("again"))
+        for name in ("trajectory.tum", "pose_graph.g2o", "map.pgm", "map.yaml"):
+            self.assertEqual(content(self.path("plain/" + name)), content(self.path("again/" + name)), name)
+        self.assertIn("keyframes", self.world("info", self.path("w")).stdout)
+        self.world("compact", self.path("w"))
+        self.world("export", self.path("w"), "--out", self.path("coarse"), "--resolution", 0.2)
+        self.assertEqual(content(self.path("again/trajectory.tum")), content(self.path("coarse/trajectory.tum")))
+        self.assertLess(len(content(self.path("coarse/map.pgm"))), len(content(self.path("again/map.pgm"))) / 4)
+
+    def test_adds_a_session_to_what_is_there(self):
+        log = self.log()
+        for session in (1, 2):
+            made = run("odoless", "replay", log, "--out", self.path(f"run{session}"), "--seed", session, "--world", self.path("w"))
+            self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertEqual(self.count("session"), 2)
+        said = self.world("export", self.path("w"), "--out", self.path("again2"))
+        self.assertIn("session 1 is left out", said.stderr)
+        self.world("export", self.path("w"), "--session", 1, "--out", self.path("again1"))
+        for session in (1, 2):
+            for name in ("trajectory.tum", "pose_graph.g2o", "map.pgm"):
+                self.assertEqual(content(self.path(f"run{session}/{name}")), content(self.path(f"again{session}/{name}")), name)
+
+    def test_begins_a_session_with_each_map(self):
+        daemon = self.start_world()
+        self.assertEqual(self.ctl("reset").returncode, 0)
+        self.wait_until(lambda: self.count("session") == 2, 10)
+        self.wait_until(lambda: self.ask("SELECT count(*) FROM keyframe WHERE session = 2") > 1, 10)
+        self.stop_in_time(daemon)
+        self.world("check", self.path("w"))
+        first, second = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
+        self.assertGreater(first["keyframes"], 1)
+        self.assertGreater(second["keyframes"], 1)
+
+    def test_holds_what_the_daemon_mapped(self):
+        daemon = run("odolessd", "--config", self.config, "--replay", self.log(), "--out", self.path("out"), "--world",
+                     self.path("w"))
+        self.assertEqual(daemon.returncode, 0, daemon.stderr)
+        self.world("export", self.path("w"), "--out", self.path("again"))
+        for name in ("trajectory.tum", "map.pgm"):
+            self.assertEqual(content(self.path("out/latest/" + name)), content(self.path("again/" + name)), name)
+
+    def test_loses_nothing_when_it_is_ended(self):
+        daemon = self.start_world()
+        self.wait_until_ok()
+        said = self.ctl("status").stdout
+        self.assertIn("world: " + self.path("w"), said)
+        self.assertIn(self.status_json()["world"]["uuid"], said)
+        second = run("odolessd", "--config", self.write_config("second.toml", device=self.path("none"), socket="second"), "--world", self.path("w"))
+        self.assertEqual(second.returncode, EX_UNAVAILABLE, second.stderr)
+        self.assertIn("in use", second.stderr)
+        self.stop_in_time(daemon)
+        self.assertFalse(os.path.exists(self.path("w-wal")))
+        self.expect_as_saved()
+
+    def cut_power(self):
+        """Of a daemon that was killed: what it had not synced is not there."""
+        for name in ("w", "w-wal"):
+            if os.path.exists(self.path(name + ".synced")):
+                shutil.copyfile(self.path(name + ".synced"), self.path(name))
+            elif os.path.exists(self.path(name)):
+                os.remove(self.path(name))
+        if os.path.exists(self.path("w-shm")):
+            os.remove(self.path("w-shm"))
+
+    # Each daemon goes on in the file that the one before left, every other one on a slow disk, so that many are killed in the
+    # middle of a write.
+    def test_a_kill_or_power_cut_at_any_moment_loses_two_seconds_at_most(self):
+        chance = random.Random(17)
+        self.start_laser()
+        environment = self.faulty_disk(at=self.path("w"))
+        lost_s = []
+        for kill in range(KILLS):
+            self.disk("slow" if kill % 2 else "sound")
+            daemon = self.start_daemon("--world", self.path("w"), environment=environment)
+            self.wait_until(lambda: self.count_in_time(f"odometry WHERE session = {kill + 1}") > 0, 20)
+            time.sleep(chance.uniform(0.0, 2.5))
+            daemon.kill()
+            killed_ns = time.time_ns()
+            daemon.wait()
+            if chance.random() < 0.5:
+                self.cut_power()
+            self.world("check", self.path("w"))
+            lost_s.append((killed_ns - self.last_stamp_ns()) * 1e-9)
+        print(f"  {KILLS} kills and power cuts: the last {max(lost_s):.1f} s were lost at most")
+        self.assertLess(max(lost_s), 2.0)
+        sessions = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
+        self.assertEqual(len(sessions), KILLS)
+        for each in sessions:
+            self.assertGreater(each["scans"], 0)
+
+    # Disks
+
+    def goes_on_beside_a_failing_disk(self, fault, reason):
+        daemon = self.start_world(self.faulty_disk(at=self.path("w")))
+        self.wait_until_ok()
+        self.disk(fault)
+        told_s = self.wait_until(lambda: "a file cannot be written" in self.state(), 10)
+        print(f"  {fault}: told after {told_s:.1f} s")
+        self.assertIn(reason, self.ctl("status").stdout)
+        self.world("check", self.path("w"))
+        kept = self.count("keyframe")
+        accepted = self.status_json()["scans"]["accepted"]
+        self.wait_until(lambda: self.status_json()["world"]["keyframes_not_written"] >= 3, 30)
+        self.wait_until(lambda: self.status_json()["scans"]["accepted"] > accepted, 5)  # mapping goes on
+        self.disk("sound")
+        self.wait_until(lambda: "a file cannot be written" not in self.state(), 10)
+        self.wait_until(lambda: self.count("keyframe") >= kept + 3, 10)
+        self.stop_in_time(daemon)
+        self.expect_as_saved()
+
+    def test_goes_on_beside_a_full_disk(self):
+        self.goes_on_beside_a_failing_disk("full", "No space left")
+
+    def test_goes_on_beside_a_read_only_disk(self):
+        self.goes_on_beside_a_failing_disk("read-only", "Read-only file system")
+
+    def test_goes_on_beside_a_broken_disk(self):
+        self.goes_on_beside_a_failing_disk("broken", "Input/output error")
+
+    def test_says_at_the_end_what_is_not_in_the_file(self):
+        daemon = self.start_world(self.faulty_disk(at=self.path("w")))
+        self.wait_until_ok()
+        self.disk("full")
+        self.wait_until(lambda: self.status_json()["world"]["keyframes_not_written"] >= 1, 30)
+        daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.wait(timeout=60), EX_CANTCREAT)
+        self.assertIn("keyframes of this run are not in it", daemon.stderr.read())
+        self.disk("sound")
+        self.world("check", self.path("w"))
+
+    def test_makes_a_file_anew_that_was_removed(self):
+        daemon = self.start_world()
+        before = self.count("keyframe")
+        for name in ("w", "w-wal", "w-shm"):
+            os.remove(self.path(name))
+        self.wait_until(lambda: self.count_in_time("keyframe") >= before, 10)
+        self.stop_in_time(daemon)
+        self.world("check", self.path("w"))
+
+    def test_refuses_what_is_no_world(self):
+        with open(self.path("w"), "w", encoding="utf-8") as file:
+            file.write("a letter to a friend, " * 100)
+        letter = content(self.path("w"))
+        for command in (("odolessd", "--config", self.config, "--world", self.path("w")),
+                        ("odoless", "world", "check", self.path("w")), ("odoless", "world", "compact", self.path("w"))):
+            outcome = run(*command)
+            self.assertEqual(outcome.returncode, EX_DATAERR, outcome.stderr)
+            self.assertIn("no SQLite file", outcome.stderr)
+        self.assertEqual(content(self.path("w")), letter)
+        elsewhere = run("odolessd", "--config", self.config, "--stages", "sensor,matcher", "--world", self.path("n"))
+        self.assertEqual(elsewhere.returncode, EX_USAGE, elsewhere.stderr)
+        no_graph = self.write_config("plain.toml", more="[graph]\nenabled = false\n")
+        self.assertEqual(run("odolessd", "--config", no_graph, "--world", self.path("n")).returncode, EX_CONFIG)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,0 +1,54 @@
+#include "tools/output/world_output.hpp"
+
+#include <cerrno>
+#include <utility>
+
+#include "firmware/world/world_mirror.hpp"
+#include "tools/command/error.hpp"
+
+namespace odoless {
+namespace {
+
+constexpr const char* kRight = "a world file of `odolessd --world` or `odoless replay --world`";
+
+}  // namespace
+
+WorldOutput::WorldOutput(std::filesystem::path path, const std::string& program) : path_(std::move(path)) {
+  const FileFailure failed = file_.open_to_write(path_, program);
+  if (failed.error == EBADMSG) {
+    throw DataError(path_.string(), 0, failed.text, kRight);
+  }
+  if (failed.any()) {
+    throw CannotCreateError(path_.string() + ": " + failed.text);
+  }
+}
+
+void WorldOutput::write(const SessionRecord& session, const SubmapGraph& graph, std::span<const StampedPose> odom) {
+  WorldPlace place;
+  WorldMirror mirror;
+  FileFailure failed = file_.begin(session, place);
+  WorldChanges changes;
+  changes.odometry.assign(odom.begin(), odom.end());
+  for (bool has_more = true; has_more && !failed.any();) {
+    has_more = mirror.collect(graph, changes);
+    failed = file_.write(place, changes);
+    mirror.take(changes);
+    changes = {};
+  }
+  file_.close();
+  if (failed.any()) {
+    throw IoError(path_.string() + ": " + failed.text);
+  }
+}
+
+void open_world(const std::filesystem::path& path, WorldFile& file) {
+  const FileFailure failed = file.open_to_read(path);
+  if (failed.error == EBADMSG) {
+    throw DataError(path.string(), 0, failed.text, kRight);
+  }
+  if (failed.any()) {
+    throw NoInputError(path.string() + ": " + failed.text);
+  }
+}
+
+}  // namespace odoless

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "core/geometry/stamped_pose.hpp"
+#include "core/graph/submap_graph.hpp"
+#include "firmware/world/world_file.hpp"
+
+namespace odoless {
+
+/// A world file that a run's pose graph goes to, as a session of its own.
+class WorldOutput {
+ public:
+  /// Opens it, or makes it. @param program  Version. @throws CannotCreateError, DataError.
+  WorldOutput(std::filesystem::path path, const std::string& program);
+
+  /// @param odom  odom_T_scan of all scans. @throws IoError.
+  void write(const SessionRecord& session, const SubmapGraph& graph, std::span<const StampedPose> odom);
+
+ private:
+  std::filesystem::path path_;
+  WorldFile file_;
+};
+
+/// Opens a world to read it. @throws NoInputError, DataError.
+void open_world(const std::filesystem::path& path, WorldFile& file);
+
+}  // namespace odoless
