@@ -59,7 +59,7 @@ SubmapMatcher::SubmapMatcher(const GraphParams& params, const ScanParams& scan)
   for (Ready& each : ready_) {
     each.reference = std::make_unique<MatchReference>(params.reference, params.reference_points_max);
   }
-  frames_.assign(static_cast<std::size_t>(3 * params.submap_keyframes), ScanFrame(scan_));
+  frames_.assign(std::size_t{3} * static_cast<std::size_t>(params.submap_keyframes), ScanFrame(scan_));
 }
 
 void SubmapMatcher::set_query(const SubmapWorld& world, int query) {
@@ -92,8 +92,10 @@ void SubmapMatcher::set_query(const SubmapWorld& world, int query) {
   query_.orientations.smooth();
   query_.points.clear();
   const double step = std::max(1.0, static_cast<double>(kept.size()) / kQueryPoints_max);
-  for (double at = 0.0; at < static_cast<double>(kept.size()) && query_.points.size() < kQueryPoints_max; at += step) {
+  double at = 0.0;
+  while (at < static_cast<double>(kept.size()) && query_.points.size() < kQueryPoints_max) {
     query_.points.push_back(kept[static_cast<std::size_t>(at)]);
+    at += step;
   }
 }
 
@@ -143,7 +145,8 @@ void SubmapMatcher::probe(const SearchGround& ground, const SubmapSearch& where,
   const double counted_m = std::max(where.half_m, kProbe_peaks_m);
   const SearchBox counted{to_search_point(where.centre), {counted_m, counted_m, where.half_rad}};
   const double reach_m = std::max(kProbe_min_m, std::min(1.2 * where.half_m, kProbe_max_m));
-  for (double way_m = kProbe_step_m; way_m <= reach_m; way_m += kProbe_step_m) {
+  double way_m = 0.0;
+  while ((way_m += kProbe_step_m) <= reach_m) {
     for (const double sign : {1.0, -1.0}) {
       SearchPoint start = best;
       start[0] += sign * way_m * direction.x_m;

@@ -27,7 +27,7 @@ class BringUpSteps {
   [[nodiscard]] std::uint64_t device_errors() const { return device_errors_; }
 
  protected:
-  BringUpSteps(const LrfParams& params, Stream& stream) : params_(params), stream_(stream) {}
+  BringUpSteps(LrfParams params, Stream& stream) : params_(std::move(params)), stream_(stream) {}
 
   [[nodiscard]] const LrfParams& params() const { return params_; }
   [[nodiscard]] Stream& stream() const { return stream_; }

@@ -20,7 +20,7 @@ class LossCounter {
   static constexpr int kSenders = 16;
   static constexpr std::int32_t kJumpMax = 10'000;
 
-  void note(SenderKey sender, std::uint32_t sequence);
+  void note(SenderKey key, std::uint32_t sequence);
 
   [[nodiscard]] std::int64_t lost() const { return lost_; }
 

@@ -13,7 +13,7 @@ std::string lack_of_real_time() {
 }
 
 std::vector<KeyClass> key_classes() {
-  std::vector<KeyClass> classes{mapping_class(), laser_class(), tilt_class(), gpio_class(), web_class()};
+  std::vector<KeyClass> classes{mapping_class(), laser_class(), tilt_class(), gpio_class(), web_class(), world_class()};
   for (const std::vector<KeyClass>& more : {slam_classes(), thread_classes(), publisher_classes()}) {
     classes.insert(classes.end(), more.begin(), more.end());
   }

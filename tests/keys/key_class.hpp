@@ -46,6 +46,8 @@ struct KeyClass {
 [[nodiscard]] KeyClass gpio_class();
 /// The page, by what a browser is answered.
 [[nodiscard]] KeyClass web_class();
+/// The world file, by what is in it and when.
+[[nodiscard]] KeyClass world_class();
 
 [[nodiscard]] std::vector<KeyClass> key_classes();
 

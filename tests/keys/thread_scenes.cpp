@@ -206,7 +206,7 @@ Scene daemon_in(const std::shared_ptr<TemporaryFolder>& folder) {
 
 std::vector<Scene> pipeline_scenes() {
   const std::string patient =
-      "[pipeline]\nmatcher_budget_ms = 10000\nfilter_budget_ms = 10000\nscan_budget_ms = 20000\nparticles_min = 2\n";
+      "[pipeline]\nmatcher_budget_ms = 10000\nfilter_budget_ms = 10000\nscan_budget_ms = 20000\nparticles_min = 10\n";
   return {{"threads", {kLittle}, scheduled},
           {"matcher",
            {kLittle, patient, "matcher.search = { coarse_evaluations = 20000, fine_evaluations = 20000 }"},

@@ -98,6 +98,18 @@ TEST(MessageLog, DamagedFilesAreRefusedOrConsistent) {
   }
 }
 
+// Found by rawlog_fuzz: a field of view so small that the step between beams is 0 once in single precision.
+TEST(MessageLog, AnglesAreCheckedAsTheyAreKept) {
+  const auto file = std::filesystem::path(__FILE__).parent_path().parent_path() / "fuzz/rawlog_corpus/mrpt.rawlog";
+  std::string bytes = read_whole_file(file);
+  const std::string scan_class = "CObservation2DRangeScan";
+  const std::size_t field_of_view = bytes.find(scan_class) + scan_class.size() + 1;
+  bytes.replace(field_of_view, 4, std::string("\1\0\0\0", 4));
+  std::string broken;
+  EXPECT_FALSE(test::read_any_file(bytes, broken));
+  EXPECT_EQ(broken, "");
+}
+
 TEST(MessageLog, ACutFileIsRefusedOrItIsSaid) {
   for (const std::filesystem::path& path : files()) {
     SCOPED_TRACE(path);

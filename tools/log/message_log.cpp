@@ -139,15 +139,17 @@ bool MessageLog::next() {
 LogScan MessageLog::scan() {
   DecodedScan decoded = decode();
   auto* const scan = std::get_if<LogScan>(&decoded);
+  if (scan != nullptr) {
+    scan->stamp_ns = to_message_precision(scan->stamp_ns);
+    scan->start_angle_rad = to_float_precision(scan->start_angle_rad);
+    scan->angle_step_rad = to_float_precision(scan->angle_step_rad);
+  }
   const std::string wrong = scan != nullptr ? wrong_with(*scan) : std::get<std::string>(decoded);
   if (!wrong.empty()) {
     const LogTopic& topic = topics_[topic_];
     throw DataError(name_, 0, fmt::format("message {} of {}: {}", topic.messages, topic.name, wrong),
                     fmt::format("a whole {}", topic.type));
   }
-  scan->stamp_ns = to_message_precision(scan->stamp_ns);
-  scan->start_angle_rad = to_float_precision(scan->start_angle_rad);
-  scan->angle_step_rad = to_float_precision(scan->angle_step_rad);
   return std::move(*scan);
 }
 
