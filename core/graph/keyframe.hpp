@@ -17,7 +17,6 @@ struct Keyframe {
   double angle_step_rad = 0.0;
   std::int32_t beams = 0;
   std::int32_t map_number = 0;  ///< grows when mapping begins anew
-  std::int32_t is_sure = 1;     ///< 0: the filter is not, of where it has the scan
   Pose2 odom_T_scan{};
   Pose2 map_T_odom{};            ///< as the filter has it; where a map begins, this is where
   OdometryStretch since_last{};  ///< from the keyframe before

@@ -8,8 +8,7 @@ bool KeyframeGate::add(const Motion& motion) {
   since_last_ = since_last_.then(OdometryStretch::of(motion));
   odom_T_scan_ = motion.odom_T_current;
   const Pose2& way = since_last_.start_T_end;
-  return !has_begun_ || is_wanted_ || since_last_.is_torn() ||
-         std::hypot(way.x_m, way.y_m) >= params_.keyframe_distance_m ||
+  return !has_begun_ || since_last_.is_torn() || std::hypot(way.x_m, way.y_m) >= params_.keyframe_distance_m ||
          std::abs(way.yaw_rad) >= params_.keyframe_rotation_rad;
 }
 
@@ -19,7 +18,6 @@ void KeyframeGate::encode(const ScanFrame& scan, const Pose2& map_T_odom, Keyfra
   keyframe.odom_T_scan = odom_T_scan_;
   keyframe.map_T_odom = map_T_odom;
   keyframe.since_last = since_last_;
-  keyframe.is_sure = is_sure_ ? 1 : 0;
 }
 
 }  // namespace odoless

@@ -5,6 +5,19 @@
 
 namespace odoless {
 
+Submap make_submap(KeyframeStore& store, int first_keyframe, int keyframes) {
+  const Keyframe& origin = store[first_keyframe + keyframes / 2];
+  const int end = first_keyframe + keyframes;
+  for (int k = first_keyframe; k < end; ++k) {
+    store.place(k, origin.odom_T_scan.inverse() * store[k].odom_T_scan);
+  }
+  return {.first_keyframe = first_keyframe,
+          .keyframes = keyframes,
+          .odom_T_submap = origin.odom_T_scan,
+          .local_T_submap = store[end - 1].map_T_odom * origin.odom_T_scan,
+          .origin_stamp_ns = origin.stamp_ns};
+}
+
 SubmapBuilder::SubmapBuilder(const GraphParams& params) : params_(params) {
   begun_.reserve(static_cast<std::size_t>(params.submap_keyframes));
 }
@@ -15,16 +28,16 @@ bool SubmapBuilder::is_full() const {
          (slip_m_ > params_.submap_slip_m && begun_.size() >= kSlipping_min);
 }
 
-bool SubmapBuilder::pass(const OdometryStretch& step, KeyframeStore& store, bool ends) {
-  const bool has_ended = (step.is_torn() || ends || is_full()) && finish(store);
+bool SubmapBuilder::pass(const OdometryStretch& step, KeyframeStore& store) {
+  const bool has_ended = (step.is_torn() || is_full()) && finish(store);
   since_stored_ = since_stored_.then(step);
   travel_m_ += step.distance_m;
   slip_m_ += std::hypot(step.slip_m.x_m, step.slip_m.y_m);
   return has_ended;
 }
 
-bool SubmapBuilder::add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store, bool ends) {
-  const bool has_ended = pass(keyframe.since_last, store, ends);
+bool SubmapBuilder::add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store) {
+  const bool has_ended = pass(keyframe.since_last, store);
   if (!store.full()) {
     begun_.push_back({store.add(keyframe, codes), since_stored_});
     since_stored_ = {};
@@ -33,7 +46,7 @@ bool SubmapBuilder::add(const Keyframe& keyframe, std::span<const BeamCode> code
 }
 
 bool SubmapBuilder::add_stored(int index, KeyframeStore& store) {
-  const bool has_ended = pass(store[index].since_last, store, false);
+  const bool has_ended = pass(store[index].since_last, store);
   begun_.push_back({index, since_stored_});
   since_stored_ = {};
   return has_ended;
@@ -52,18 +65,11 @@ bool SubmapBuilder::finish(KeyframeStore& store) {
     return false;
   }
   const std::size_t middle = begun_.size() / 2;
-  const Keyframe& origin = store[begun_[middle].index];
-  finished_ = {.first_keyframe = begun_.front().index,
-               .keyframes = static_cast<int>(begun_.size()),
-               .odom_T_submap = origin.odom_T_scan,
-               .local_T_submap = origin.map_T_odom * origin.odom_T_scan,
-               .origin_stamp_ns = origin.stamp_ns,
-               .is_sure = origin.is_sure != 0};
+  finished_ = make_submap(store, begun_.front().index, static_cast<int>(begun_.size()));
   odometry_ = has_origin_ ? since_origin_ : OdometryStretch{};
   since_origin_ = {};
   for (std::size_t i = 0; i < begun_.size(); ++i) {
     const Begun& each = begun_[i];
-    store.place(each.index, origin.odom_T_scan.inverse() * store[each.index].odom_T_scan);
     OdometryStretch& sum = i <= middle ? odometry_ : since_origin_;
     sum = sum.then(each.since_last);
   }

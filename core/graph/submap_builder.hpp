@@ -13,12 +13,14 @@ struct Submap {
   int first_keyframe = 0;
   int keyframes = 0;
   Pose2 odom_T_submap{};
-  Pose2 local_T_submap{};  ///< as the particle filter had it in its own map
+  Pose2 local_T_submap{};  ///< as the particle filter had it in its own map when the submap ended
   std::int64_t origin_stamp_ns = 0;
-  bool is_sure = true;  ///< the filter was, of where it had it
 
   [[nodiscard]] int end_keyframe() const { return first_keyframe + keyframes; }
 };
+
+/// Makes these keyframes a submap, and places them in it.
+[[nodiscard]] Submap make_submap(KeyframeStore& store, int first_keyframe, int keyframes);
 
 /// Cuts the stream of keyframes into submaps: one ends after a few metres, where the odometry may have slipped by too
 /// much, and before a motion that is not credible.
@@ -30,8 +32,7 @@ class SubmapBuilder {
 
   /// Every keyframe. While the store is full its motion alone is noted.
   /// @return  Whether a submap has ended: `finished` says which.
-  /// @param ends  The submap that has begun ends before this keyframe in any case.
-  bool add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store, bool ends = false);
+  bool add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store);
   /// The same of a keyframe that the store has already.
   bool add_stored(int index, KeyframeStore& store);
   /// Goes on after a submap that was made before, whose keyframes the store has.
@@ -53,7 +54,7 @@ class SubmapBuilder {
 
   [[nodiscard]] bool is_full() const;
   /// Before a keyframe is taken. @return  Whether a submap has ended.
-  bool pass(const OdometryStretch& step, KeyframeStore& store, bool ends);
+  bool pass(const OdometryStretch& step, KeyframeStore& store);
 
   GraphParams params_;
   std::vector<Begun> begun_;

@@ -30,9 +30,6 @@ constexpr double kScore_min = 0.25;
 constexpr double kCoverage_min = 0.45;
 constexpr double kAgreement_min = 0.85;
 constexpr double kGate_chi2 = 16.0;
-constexpr double kJump_m = 0.5;  // of the filter's pose against the odometry, from one keyframe to the next
-constexpr double kJump_rad = 0.1;
-constexpr double kJump_s = 1.0;          // that the motion is unknown for then
 constexpr double kUnmistakable_m = 1.0;  // three deviations within which no other place can be meant
 constexpr double kTakenOut_weight = 0.2;
 constexpr int kIterations = 25;
@@ -41,10 +38,6 @@ constexpr int kIterations_again = 15;
 double largest_sd(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
   return std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
-}
-
-bool is_same_place(const Pose2& a, const Pose2& b) {
-  return a.distance_m(b) < kJump_m && std::abs(wrap_angle(a.yaw_rad - b.yaw_rad)) < kJump_rad;
 }
 
 }  // namespace
@@ -63,41 +56,10 @@ SubmapGraph::SubmapGraph(const GraphParams& params, const RobotLimits& limits, c
 }
 
 bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
-  const bool jumped = has_jumped(keyframe);
-  local_T_odom_ = keyframe.map_T_odom;
-  is_filter_sure_ = keyframe.is_sure != 0;
-  if (!graph_.full() && graph_.has_room(1) && builder_.add(keyframe, codes, store_, jumped)) {
+  if (!graph_.full() && graph_.has_room(1) && builder_.add(keyframe, codes, store_)) {
     add_submap();
   }
-  if (jumped) {
-    take_claim(keyframe);
-  }
-  if (claim_ && !builder_.is_behind_a_tear() &&
-      is_same_place(claimed_T_odom() * keyframe.odom_T_scan, graph_T_odom() * keyframe.odom_T_scan)) {
-    claim_.reset();  // the graph knows
-  }
   return phase_ != Phase::kIdle;
-}
-
-bool SubmapGraph::has_jumped(const Keyframe& keyframe) const {
-  return !is_same_place(local_T_odom_.value_or(keyframe.map_T_odom) * keyframe.odom_T_scan,
-                        keyframe.map_T_odom * keyframe.odom_T_scan);
-}
-
-// By the submap that is nearest in the filter's map, of those where the filter was sure; the newest ones may be where
-// it had them before the jump.
-void SubmapGraph::take_claim(const Keyframe& keyframe) {
-  const Pose2 local_T_scan = keyframe.map_T_odom * keyframe.odom_T_scan;
-  double nearest_m = kReach_m;
-  claim_ = submaps_.empty() ? std::nullopt : std::optional(graph_.size() - 1);
-  for (int i = 0; i < graph_.size() - kNeighbours; ++i) {
-    const Submap& submap = submaps_[static_cast<std::size_t>(i)];
-    const double distance_m = submap.local_T_submap.distance_m(local_T_scan);
-    if (submap.is_sure && distance_m < nearest_m) {
-      nearest_m = distance_m;
-      claim_ = i;
-    }
-  }
 }
 
 // The filter weighs the hypotheses of a motion that is not credible: there its word counts.
@@ -309,20 +271,14 @@ double SubmapGraph::used() const {
                    share(static_cast<std::size_t>(store_.size()), params_.keyframes_max)});
 }
 
-Pose2 SubmapGraph::map_T_local(int submap) const {
-  return graph_.pose(submap) * submaps_[static_cast<std::size_t>(submap)].local_T_submap.inverse();
-}
-
-Pose2 SubmapGraph::map_T_odom() const { return claim_ && is_filter_sure_ ? claimed_T_odom() : graph_T_odom(); }
-
-Pose2 SubmapGraph::claimed_T_odom() const { return map_T_local(*claim_) * *local_T_odom_; }
-
-Pose2 SubmapGraph::graph_T_odom() const {
+Pose2 SubmapGraph::map_T_odom() const {
   if (submaps_.empty()) {
     return store_.size() > 0 ? store_[0].map_T_odom : Pose2{};
   }
-  return builder_.is_behind_a_tear() ? map_T_local(graph_.size() - 1) * *local_T_odom_
-                                     : graph_.poses().back() * submaps_.back().odom_T_submap.inverse();
+  const Submap& last = submaps_.back();
+  return graph_.poses().back() * (is_behind_a_tear()
+                                      ? last.local_T_submap.inverse() * store_[store_.size() - 1].map_T_odom
+                                      : last.odom_T_submap.inverse());
 }
 
 std::vector<StampedPose> SubmapGraph::corrected(std::span<const StampedPose> odom) const {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,13 +46,15 @@ class SubmapGraph {
   /// Ends the submap that has begun and does all work: when a run is over.
   void finish();
 
+  /// From the newest submap on; behind a motion that is not credible as the particle filter had it over that.
   [[nodiscard]] Pose2 map_T_odom() const;
+  [[nodiscard]] bool is_behind_a_tear() const { return builder_.is_behind_a_tear(); }
   /// Grows when submaps are new or have moved.
   [[nodiscard]] std::int64_t revision() const { return revision_; }
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
   [[nodiscard]] const KeyframeStore& keyframes() const { return store_; }
-  [[nodiscard]] SubmapWorld world() const { return {store_, graph_, submaps_, graph_T_odom()}; }
+  [[nodiscard]] SubmapWorld world() const { return {store_, graph_, submaps_, map_T_odom()}; }
   [[nodiscard]] const Counts& counts() const { return counts_; }
   /// Share of the fullest pool, 0 to 1: submaps, constraints, keyframes.
   [[nodiscard]] double used() const;
@@ -83,13 +84,6 @@ class SubmapGraph {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of reference_T_query as projected
   };
 
-  /// Whether the filter's pose is another than a keyframe ago, by more than the odometry may err.
-  [[nodiscard]] bool has_jumped(const Keyframe& keyframe) const;
-  void take_claim(const Keyframe& keyframe);
-  /// Where the filter's own map lies in the world, around that submap.
-  [[nodiscard]] Pose2 map_T_local(int submap) const;
-  [[nodiscard]] Pose2 graph_T_odom() const;
-  [[nodiscard]] Pose2 claimed_T_odom() const;
   void add_submap();
   /// Plans the matches of a submap, and of a few older ones.
   void begin_work(int query);
@@ -112,12 +106,7 @@ class SubmapGraph {
   SubmapMatcher matcher_;
   LoopVerifier verifier_;
   GraphSolver solver_;
-  std::vector<Attempts> attempts_;     ///< per submap
-  std::optional<Pose2> local_T_odom_;  ///< of the keyframe before
-  /// Since the filter's pose has jumped (the robot was found), until the graph has it there too: the submap by which
-  /// the filter's map lies in the world.
-  std::optional<int> claim_;
-  bool is_filter_sure_ = true;
+  std::vector<Attempts> attempts_;  ///< per submap
   PoseGraph::Projection projection_;
   std::vector<Candidate> candidates_;
   std::size_t next_candidate_ = 0;

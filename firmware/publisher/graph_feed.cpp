@@ -37,7 +37,6 @@ GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossles
       jobs_(kJobs),
       tiles_told_(kTiles),
       thread_({.name = "odo-graph", .stack_bytes = kStack_bytes}) {
-  places_.reserve(static_cast<std::size_t>(params.graph.submaps_max));
   begin_anew();
   // Memory that was used once stays with the process (MemoryLock): what a step takes for a while is there already.
   std::vector<std::byte> scratch(kScratch_bytes);
@@ -164,24 +163,22 @@ bool GraphFeed::next_tile(MapTileRecord& tile, std::span<std::uint8_t> cells) {
   return true;
 }
 
-void GraphFeed::place(PoseRecord& pose) const {
+void GraphFeed::place(PoseRecord& pose) {
   const std::lock_guard lock(queue_mutex_);
   if (pose.map_number != placed_number_) {
     return;  // its first keyframe is not here yet: the map begins where the filter has it
   }
-  const Pose2& map_T_odom = health_.map_T_odom;
+  const Pose2 map_T_odom = filter_->follow(pose.map_T_odom, pose.odom_T_scan);
   const double turn_rad = map_T_odom.yaw_rad - pose.map_T_odom.yaw_rad;
   pose.map_T_odom = map_T_odom;
   pose.map_T_scan = map_T_odom * pose.odom_T_scan;
   pose.covariance = turned(pose.covariance, turn_rad);
+  health_.map_T_odom = map_T_odom;
 }
 
 Pose2 GraphFeed::to_local(const Pose2& map_T_scan) const {
   const std::lock_guard lock(queue_mutex_);
-  const auto nearest = std::min_element(places_.begin(), places_.end(), [&](const Place& a, const Place& b) {
-    return a.map_T_submap.distance_m(map_T_scan) < b.map_T_submap.distance_m(map_T_scan);
-  });
-  return nearest == places_.end() ? map_T_scan : nearest->local_T_submap * nearest->map_T_submap.inverse() * map_T_scan;
+  return filter_->to_local(map_T_scan);
 }
 
 bool GraphFeed::take() {
@@ -215,9 +212,9 @@ void GraphFeed::begin_anew() {
   const double resolution_m = params_.slam.low.grid.resolution_m;
   graph_.emplace(params_.graph, params_.limits, params_.scan, seed_);
   tiles_.emplace(params_.slam.low.beam, params_.scan, resolution_m, params_.graph.keyframes_max);
-  drawn_revision_ = placed_revision_ = drawn_keyframes_ = 0;
+  drawn_revision_ = drawn_keyframes_ = 0;
   const std::lock_guard lock(queue_mutex_);
-  places_.clear();
+  filter_.emplace(params_.graph);
 }
 
 void GraphFeed::report() {
@@ -227,15 +224,9 @@ void GraphFeed::report() {
              .loop_closures = counts.accepted - counts.taken_out,
              .used = graph_->used(),
              .keyframes_left_out = left_out_,
-             .map_T_odom = graph_->map_T_odom()};
+             .map_T_odom = health_.map_T_odom};
   placed_number_ = map_number_;
-  if (placed_revision_ != graph_->revision()) {
-    placed_revision_ = graph_->revision();
-    places_.clear();
-    for (std::size_t i = 0; i < graph_->submaps().size(); ++i) {
-      places_.push_back({graph_->graph().pose(static_cast<int>(i)), graph_->submaps()[i].local_T_submap});
-    }
-  }
+  filter_->update(*graph_);
 }
 
 GraphHealth GraphFeed::health() const {

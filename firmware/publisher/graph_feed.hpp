@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "config/robot_params.hpp"
+#include "core/graph/filter_in_world.hpp"
 #include "core/graph/submap_graph.hpp"
 #include "core/graph/trajectory_correction.hpp"
 #include "core/graph/world_tiles.hpp"
@@ -48,8 +49,8 @@ class GraphFeed {
   /// that corrections go in at the same scans however fast the machine is.
   void add(const Keyframe& keyframe, std::span<const BeamCode> codes);
 
-  /// Where the world has what the filter has in its own map: the same pose in the map frame.
-  void place(PoseRecord& pose) const;
+  /// Every pose, as the filter has it in its own map: where the world has that.
+  void place(PoseRecord& pose);
   /// A pose of the world in the filter's own map, by the submap that is nearest to it.
   [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const;
   /// A tile of the map that has changed: written to `cells`, WorldTiles::Occupancy of them. @return  Whether there was.
@@ -74,11 +75,6 @@ class GraphFeed {
   struct Tile {
     MapTileRecord record;
     WorldTiles::Occupancy cells;
-  };
-  /// A submap in the world and in the filter's own map.
-  struct Place {
-    Pose2 map_T_submap{};
-    Pose2 local_T_submap{};
   };
   static constexpr std::size_t kJobs = 128;
   static constexpr std::size_t kTiles = 32;
@@ -111,9 +107,9 @@ class GraphFeed {
   bool is_ending_ = false;
   std::atomic<bool> is_hurried_{false};  ///< somebody waits for the end
   GraphHealth health_;
-  int placed_number_ = -1;  ///< of the map that `health_` and `places_` are of
-  std::vector<Place> places_;
-  std::vector<Tile> tiles_told_;  ///< a ring
+  int placed_number_ = -1;               ///< of the map that `health_` and `filter_` are of
+  std::optional<FilterInWorld> filter_;  ///< always there; begun anew with another map
+  std::vector<Tile> tiles_told_;         ///< a ring
   std::size_t tiles_pushed_ = 0;
   std::size_t tiles_taken_ = 0;
   Observer observer_;
@@ -121,7 +117,6 @@ class GraphFeed {
   std::optional<SubmapGraph> graph_;  ///< always there; begun anew with another map
   std::optional<WorldTiles> tiles_;   ///< likewise
   std::int64_t drawn_revision_ = 0;
-  std::int64_t placed_revision_ = 0;
   int drawn_keyframes_ = 0;
   int map_number_ = 0;
   bool is_finished_ = false;

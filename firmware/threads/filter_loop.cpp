@@ -65,12 +65,6 @@ void FilterLoop::process(const MotionMessage& message) {
 }
 
 void FilterLoop::tell_keyframe(const MotionMessage& message, const FilterStep& step) {
-  if (keyframes_) {
-    keyframes_->set_sure(step.tracking == Tracking::kSure);
-  }
-  if (keyframes_ && step.found) {
-    keyframes_->note_found();
-  }
   if (keyframes_ && keyframes_->add(message.motion) && message.slot != kNoSlot && !stage_.paused()) {
     keyframes_->send(pipeline_, pipeline_.pool.at(message.slot), step.map_T_odom, map_number_);
   }
@@ -82,9 +76,6 @@ void FilterLoop::obey(const FilterCommand& command) {
       ++map_number_;
       return stage_.reset(command.map_T_scan);
     case FilterCommand::Kind::kSetPose:
-      if (keyframes_) {
-        keyframes_->note_found();
-      }
       return stage_.set_pose(command.map_T_scan);
     case FilterCommand::Kind::kPause:
     case FilterCommand::Kind::kResume:

@@ -21,10 +21,6 @@ class KeyframeSender {
   /// Every motion. @return  Whether its scan is wanted.
   [[nodiscard]] bool add(const Motion& motion) { return gate_.add(motion); }
 
-  /// The filter has found the robot, or was told where it is.
-  void note_found() { gate_.note_found(); }
-  void set_sure(bool is_sure) { gate_.set_sure(is_sure); }
-
   void send(Pipeline& pipeline, const ScanFrame& scan, const Pose2& map_T_odom, int map_number) {
     const auto beams = static_cast<std::size_t>(gate_.beams(scan));
     const std::size_t size_bytes = sizeof(Keyframe) + beams * sizeof(BeamCode);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "config/robot_params.hpp"
+#include "core/graph/filter_in_world.hpp"
 #include "core/graph/keyframe_gate.hpp"
 #include "core/graph/submap_graph.hpp"
 #include "firmware/stages/filter_stage.hpp"
@@ -13,14 +14,10 @@ namespace odoless {
 class GraphRun {
  public:
   GraphRun(const RobotParams& params, std::uint64_t seed)
-      : gate_(params.graph), graph_(params.graph, params.limits, params.scan, seed) {}
+      : gate_(params.graph), graph_(params.graph, params.limits, params.scan, seed), place_(params.graph) {}
 
   /// Every scan and what the stages made of it. @param step  As the filter has it in its own map; in the world then.
   void add(const ScanFrame& scan, const Motion& motion, FilterStep& step) {
-    gate_.set_sure(step.tracking == Tracking::kSure);
-    if (step.found) {
-      gate_.note_found();
-    }
     if (gate_.add(motion)) {
       Keyframe keyframe;
       codes_.resize(static_cast<std::size_t>(gate_.beams(scan)));
@@ -29,7 +26,8 @@ class GraphRun {
       for (bool is_at_work = graph_.add(keyframe, codes_); is_at_work; is_at_work = graph_.work()) {
       }
     }
-    step.map_T_odom = graph_.map_T_odom();
+    place_.update(graph_);
+    step.map_T_odom = place_.follow(step.map_T_odom, motion.odom_T_current);
     step.map_T_scan = step.map_T_odom * motion.odom_T_current;
   }
 
@@ -42,6 +40,7 @@ class GraphRun {
  private:
   KeyframeGate gate_;
   SubmapGraph graph_;
+  FilterInWorld place_;
   std::vector<BeamCode> codes_;
 };
 

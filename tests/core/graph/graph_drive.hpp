@@ -63,7 +63,6 @@ class Feed {
       is_at_work = graph.work();
     }
   }
-  void note_found() { gate_.note_found(); }
 
   Pose2 local_T_odom{};  ///< as a particle filter would have it
 

@@ -97,19 +97,5 @@ TEST(SubmapGraph, StopsToGrowWhereItIsFullAndGoesOn) {
   EXPECT_LE(graph.keyframes().size(), 64);
 }
 
-// A robot that was carried: the odometry goes on as if nothing had been, the filter finds it.
-TEST(SubmapGraph, SaysWhereTheFilterHasFoundTheRobotUntilItKnowsItself) {
-  Drive run(ring(18.0, 10.0), {});
-  run.drive(kRound);
-  const Pose2 carried{-3.0, 2.0, 0.5};  // by this is the odometry wrong from here on
-  const Pose2 odom_T_scan = run.odom.back().map_T_scan;
-  run.feed.local_T_odom = odom_T_scan * carried.inverse() * odom_T_scan.inverse();
-  run.feed.note_found();
-  run.drive({kRound[0], {kRound[0].x_m + 1.0, kRound[0].y_m}});
-  const Pose2 found = run.feed.local_T_odom * run.odom.back().map_T_scan;
-  EXPECT_LT((run.graph.map_T_odom() * run.odom.back().map_T_scan).distance_m(found), 0.05);
-  EXPECT_GT(run.odom.back().map_T_scan.distance_m(found), 2.0);
-}
-
 }  // namespace
 }  // namespace odoless
