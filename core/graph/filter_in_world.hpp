@@ -11,7 +11,8 @@ namespace odoless {
 
 /// Where the particle filter's own map lies in the world, and with it the published map_T_odom: the graph's, which has
 /// closed the loops; but where the filter's pose has jumped (the robot was found, or told where it is) the filter's, by
-/// the submap that the robot is at in the filter's map, until the graph has it there too. How: core/graph/README.md.
+/// the submap that the robot is at in the filter's map, until the graph has it there too, or has closed a loop from
+/// beyond the jump. How: core/graph/README.md.
 ///
 /// Frames: map, odom; local, which is the filter's map. Memory is fixed at construction. Thread: owned by one thread.
 /// `follow` takes constant time but at a jump, when it is linear in the submaps.
@@ -43,6 +44,7 @@ class FilterInWorld {
   std::optional<Pose2> graph_map_T_odom_;  ///< none behind a motion that is not credible
   std::optional<Pose2> local_T_odom_;      ///< of the scan before
   std::optional<std::size_t> claim_;       ///< since a jump: the submap by which the filter has the robot in the world
+  int claimed_at_ = 0;                     ///< the submap that was being made then
 };
 
 }  // namespace odoless
