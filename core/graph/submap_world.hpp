@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "core/graph/keyframe_store.hpp"
@@ -13,7 +14,7 @@ struct SubmapWorld {
   const KeyframeStore& store;
   const PoseGraph& graph;
   std::span<const Submap> submaps;
-  Pose2 map_T_odom{};  ///< of the keyframes behind the last submap, which no submap has yet
+  std::optional<Pose2> map_T_odom{};  ///< of the keyframes behind the last submap; none: they are not of this world
 };
 
 /// Takes every keyframe in its order as (index, map_T_scan).
@@ -25,8 +26,8 @@ void for_each_keyframe(const SubmapWorld& world, const Take& take) {
       take(next, world.graph.pose(static_cast<int>(i)) * world.store.submap_T_scan(next));
     }
   }
-  for (; next < world.store.size(); ++next) {
-    take(next, world.map_T_odom * world.store[next].odom_T_scan);
+  for (; world.map_T_odom && next < world.store.size(); ++next) {
+    take(next, *world.map_T_odom * world.store[next].odom_T_scan);
   }
 }
 
