@@ -19,6 +19,12 @@ class GraphSolver {
     double chi2 = 0.0;  ///< sum of the weighted squared errors
   };
 
+  GraphSolver() = default;
+  /// What is kept from one solution to the next is room alone.
+  GraphSolver(const GraphSolver& /*other*/) {}
+  GraphSolver& operator=(const GraphSolver& /*other*/) { return *this; }
+  ~GraphSolver() = default;
+
   /// @return  Of the last iteration. Sets the weights of loop closures.
   Report solve(PoseGraph& graph, int iterations_max);
 

@@ -5,6 +5,19 @@
 
 namespace odoless {
 
+Submap make_submap(KeyframeStore& store, int first_keyframe, int keyframes) {
+  const Keyframe& origin = store[first_keyframe + keyframes / 2];
+  const int end = first_keyframe + keyframes;
+  for (int k = first_keyframe; k < end; ++k) {
+    store.place(k, origin.odom_T_scan.inverse() * store[k].odom_T_scan);
+  }
+  return {.first_keyframe = first_keyframe,
+          .keyframes = keyframes,
+          .odom_T_submap = origin.odom_T_scan,
+          .local_T_submap = store[end - 1].map_T_odom * origin.odom_T_scan,
+          .origin_stamp_ns = origin.stamp_ns};
+}
+
 SubmapBuilder::SubmapBuilder(const GraphParams& params) : params_(params) {
   begun_.reserve(static_cast<std::size_t>(params.submap_keyframes));
 }
@@ -52,13 +65,11 @@ bool SubmapBuilder::finish(KeyframeStore& store) {
     return false;
   }
   const std::size_t middle = begun_.size() / 2;
-  const Keyframe& origin = store[begun_[middle].index];
-  finished_ = {begun_.front().index, static_cast<int>(begun_.size()), origin.odom_T_scan, origin.stamp_ns};
+  finished_ = make_submap(store, begun_.front().index, static_cast<int>(begun_.size()));
   odometry_ = has_origin_ ? since_origin_ : OdometryStretch{};
   since_origin_ = {};
   for (std::size_t i = 0; i < begun_.size(); ++i) {
     const Begun& each = begun_[i];
-    store.place(each.index, origin.odom_T_scan.inverse() * store[each.index].odom_T_scan);
     OdometryStretch& sum = i <= middle ? odometry_ : since_origin_;
     sum = sum.then(each.since_last);
   }

@@ -13,8 +13,14 @@ struct Submap {
   int first_keyframe = 0;
   int keyframes = 0;
   Pose2 odom_T_submap{};
+  Pose2 local_T_submap{};  ///< as the particle filter had it in its own map when the submap ended
   std::int64_t origin_stamp_ns = 0;
+
+  [[nodiscard]] int end_keyframe() const { return first_keyframe + keyframes; }
 };
+
+/// Makes these keyframes a submap, and places them in it.
+[[nodiscard]] Submap make_submap(KeyframeStore& store, int first_keyframe, int keyframes);
 
 /// Cuts the stream of keyframes into submaps: one ends after a few metres, where the odometry may have slipped by too
 /// much, and before a motion that is not credible.
@@ -34,6 +40,8 @@ class SubmapBuilder {
   /// Ends the submap that has begun. @return  Whether there was one.
   bool finish(KeyframeStore& store);
 
+  /// Whether the submap that has begun lies behind a motion that is not credible.
+  [[nodiscard]] bool is_behind_a_tear() const { return !begun_.empty() && begun_.front().since_last.is_torn(); }
   [[nodiscard]] const Submap& finished() const { return finished_; }
   /// From the origin of the submap before to the finished one's; default for the first one.
   [[nodiscard]] const OdometryStretch& odometry() const { return odometry_; }

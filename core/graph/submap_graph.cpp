@@ -30,6 +30,7 @@ constexpr double kScore_min = 0.25;
 constexpr double kCoverage_min = 0.45;
 constexpr double kAgreement_min = 0.85;
 constexpr double kGate_chi2 = 16.0;
+constexpr double kJump_m = 0.3;          // of the filter's pose against the odometry, over a submap
 constexpr double kUnmistakable_m = 1.0;  // three deviations within which no other place can be meant
 constexpr double kTakenOut_weight = 0.2;
 constexpr int kIterations = 25;
@@ -62,6 +63,15 @@ bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
   return phase_ != Phase::kIdle;
 }
 
+// The filter's, which has weighed the hypotheses of a motion, and drifts less; but where it has jumped meanwhile the
+// odometry's, if that says anything.
+Pose2 SubmapGraph::last_T_finished() const {
+  const Pose2 by_filter = submaps_.back().local_T_submap.inverse() * builder_.finished().local_T_submap;
+  const OdometryStretch& odometry = builder_.odometry();
+  const bool has_jumped = by_filter.distance_m(odometry.start_T_end) > kJump_m;
+  return has_jumped && !odometry.is_torn() ? odometry.start_T_end : by_filter;
+}
+
 void SubmapGraph::add_submap() {
   while (work()) {
   }
@@ -70,17 +80,18 @@ void SubmapGraph::add_submap() {
     graph_.add_node(store_[submap.first_keyframe].map_T_odom * submap.odom_T_submap);
   } else {
     const int last = graph_.size() - 1;
-    const OdometryStretch& odometry = builder_.odometry();
-    const int node = graph_.add_node(graph_.pose(last) * odometry.start_T_end);
+    const Pose2 last_T_submap = last_T_finished();
+    const int node = graph_.add_node(graph_.pose(last) * last_T_submap);
     graph_.add({.from = last,
                 .to = node,
-                .from_T_to = odometry.start_T_end,
-                .covariance = odometry.constraint_covariance(limits_)});
+                .from_T_to = last_T_submap,
+                .covariance = builder_.odometry().constraint_covariance(limits_)});
     matcher_.forget(last);
     matcher_.forget(last - 1);
   }
   submaps_.push_back(submap);
   attempts_.emplace_back();
+  ++revision_;
   begin_work(graph_.size() - 2);  // the newest one waits for the next, which completes its neighbourhood
 }
 
@@ -178,10 +189,7 @@ void SubmapGraph::try_next() {
     return;
   }
   const Candidate& candidate = candidates_[next_candidate_++];
-  if (query_ != candidate.query) {
-    matcher_.set_query(world(), candidate.query);
-    query_ = candidate.query;
-  }
+  matcher_.set_query(world(), candidate.query);
   note_attempt(candidate.query, candidate);
   const Pose2 predicted = graph_.between(candidate.reference, candidate.query);
   SubmapSearch where{.centre = predicted, .half_m = kDeviations * candidate.sd_m + kSlack_m};
@@ -248,6 +256,7 @@ void SubmapGraph::solve() {
     counts_.solve_chi2 = solver_.solve(graph_, kIterations_again).chi2;
   }
   has_accepted_ = false;
+  ++revision_;
   phase_ = Phase::kIdle;
 }
 
@@ -261,6 +270,7 @@ void SubmapGraph::finish() {
   while (work()) {
   }
   static_cast<void>(solver_.solve(graph_, kIterations));
+  ++revision_;
 }
 
 double SubmapGraph::used() const {
@@ -271,8 +281,13 @@ double SubmapGraph::used() const {
 }
 
 Pose2 SubmapGraph::map_T_odom() const {
-  return submaps_.empty() ? (store_.size() > 0 ? store_[0].map_T_odom : Pose2{})
-                          : graph_.poses().back() * submaps_.back().odom_T_submap.inverse();
+  if (submaps_.empty()) {
+    return store_.size() > 0 ? store_[0].map_T_odom : Pose2{};
+  }
+  const Submap& last = submaps_.back();
+  return graph_.poses().back() * (is_behind_a_tear()
+                                      ? last.local_T_submap.inverse() * store_[store_.size() - 1].map_T_odom
+                                      : last.odom_T_submap.inverse());
 }
 
 std::vector<StampedPose> SubmapGraph::corrected(std::span<const StampedPose> odom) const {

@@ -46,11 +46,15 @@ class SubmapGraph {
   /// Ends the submap that has begun and does all work: when a run is over.
   void finish();
 
+  /// From the newest submap on; behind a motion that is not credible as the particle filter had it over that.
   [[nodiscard]] Pose2 map_T_odom() const;
+  [[nodiscard]] bool is_behind_a_tear() const { return builder_.is_behind_a_tear(); }
+  /// Grows when submaps are new or have moved.
+  [[nodiscard]] std::int64_t revision() const { return revision_; }
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
   [[nodiscard]] const KeyframeStore& keyframes() const { return store_; }
-  [[nodiscard]] SubmapWorld world() const { return {store_, graph_, submaps_}; }
+  [[nodiscard]] SubmapWorld world() const { return {store_, graph_, submaps_, map_T_odom()}; }
   [[nodiscard]] const Counts& counts() const { return counts_; }
   /// Share of the fullest pool, 0 to 1: submaps, constraints, keyframes.
   [[nodiscard]] double used() const;
@@ -81,6 +85,8 @@ class SubmapGraph {
   };
 
   void add_submap();
+  /// What constrains the submap that has ended by the one before.
+  [[nodiscard]] Pose2 last_T_finished() const;
   /// Plans the matches of a submap, and of a few older ones.
   void begin_work(int query);
   /// Appends the candidates of a submap.
@@ -106,13 +112,13 @@ class SubmapGraph {
   PoseGraph::Projection projection_;
   std::vector<Candidate> candidates_;
   std::size_t next_candidate_ = 0;
-  int query_ = -1;  ///< that the matcher has
   int newest_query_ = -1;
   int revisited_ = 0;
   bool has_held_back_ = false;
   bool has_accepted_ = false;
   Phase phase_ = Phase::kIdle;
   Counts counts_;
+  std::int64_t revision_ = 0;
 };
 
 }  // namespace odoless

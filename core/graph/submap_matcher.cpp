@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
+#include <utility>
 
 #include "core/geometry/pose2_covariance.hpp"
 #include "core/match/peak_covariance.hpp"
@@ -62,6 +63,9 @@ SubmapMatcher::SubmapMatcher(const GraphParams& params, const ScanParams& scan)
 }
 
 void SubmapMatcher::set_query(const SubmapWorld& world, int query) {
+  if (std::exchange(query_submap_, query) == query) {
+    return;
+  }
   const Submap& submap = world.submaps[static_cast<std::size_t>(query)];
   ScanFrame frame(scan_);
   PointSet points(scan_.beams_max);

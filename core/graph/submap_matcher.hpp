@@ -3,25 +3,15 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "core/base/rng.hpp"
 #include "core/graph/graph_params.hpp"
-#include "core/graph/keyframe_store.hpp"
-#include "core/graph/pose_graph.hpp"
-#include "core/graph/submap_builder.hpp"
+#include "core/graph/submap_world.hpp"
 #include "core/match/match_reference.hpp"
 #include "core/match/pose_search.hpp"
 
 namespace odoless {
-
-/// The submaps of a world: where their keyframes are, and where they lie.
-struct SubmapWorld {
-  const KeyframeStore& store;
-  const PoseGraph& graph;
-  std::span<const Submap> submaps;
-};
 
 /// Where to look for a submap in another one's frame.
 struct SubmapSearch {
@@ -48,8 +38,14 @@ struct SubmapMatch {
 class SubmapMatcher {
  public:
   SubmapMatcher(const GraphParams& params, const ScanParams& scan);
+  /// A copy has nothing ready, which changes no result.
+  SubmapMatcher(const SubmapMatcher& other) : SubmapMatcher(other.params_, other.scan_) {}
+  SubmapMatcher(SubmapMatcher&&) = default;
+  SubmapMatcher& operator=(const SubmapMatcher& other) { return *this = SubmapMatcher(other); }
+  SubmapMatcher& operator=(SubmapMatcher&&) = default;
+  ~SubmapMatcher() = default;
 
-  /// The submap that is searched for from here on.
+  /// The submap that is searched for from here on, complete with its neighbourhood.
   void set_query(const SubmapWorld& world, int query);
   [[nodiscard]] SubmapMatch match(const SubmapWorld& world, int reference, const SubmapSearch& where, Rng& rng);
   /// A submap's neighbourhood has changed.
@@ -75,6 +71,7 @@ class SubmapMatcher {
   std::vector<ScanFrame> frames_;
   std::vector<PlacedScan> placed_;
   SearchedScan query_;
+  int query_submap_ = -1;
   PoseSearch search_;
 };
 

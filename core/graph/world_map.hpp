@@ -1,11 +1,9 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
+#include <set>
 
+#include "core/graph/map_piece.hpp"
 #include "core/graph/submap_matcher.hpp"
-#include "core/grid/cell.hpp"
-#include "core/grid/grid_cell.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "core/slam/beam_model.hpp"
 
@@ -27,24 +25,9 @@ class WorldMap {
   void write(OccupancyMap& map) const { map = map_; }
 
  private:
-  static constexpr int kPieceBits = 9;
-  static constexpr int kPieceSide_cells = 1 << kPieceBits;
-
-  /// A submap whose beams may reach a piece.
-  struct Reach {
-    std::int32_t row = 0;  ///< of the piece
-    std::int32_t column = 0;
-    std::int32_t submap = 0;
-    friend auto operator<=>(const Reach&, const Reach&) = default;
-  };
-  /// One piece's cells. What is asked for outside of it goes nowhere.
-  class Piece;
-
-  [[nodiscard]] std::vector<Reach> find_reaches(const SubmapWorld& world);
-  void add(const SubmapWorld& world, int submap, ScanFrame& frame, Piece& piece) const;
   /// Makes room for all pieces.
-  void cover(const std::vector<Reach>& reaches);
-  void take(const Piece& piece);
+  void cover(const std::set<PieceIndex>& pieces);
+  void take(const MapPiece& piece);
   /// Leaves away rows and columns of which nothing is known.
   void cut();
 

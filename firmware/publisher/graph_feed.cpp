@@ -3,7 +3,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -17,6 +19,15 @@ namespace {
 constexpr int kNice = 10;
 constexpr std::int64_t kRest = 3;  // times the CPU time of a step
 
+/// A covariance over (x_m, y_m, yaw_rad), row by row, in axes turned by that.
+std::array<double, 9> turned(const std::array<double, 9>& covariance, double yaw_rad) {
+  using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  std::array<double, 9> out{};
+  Eigen::Map<Rows>(out.data()) = turn * Eigen::Map<const Rows>(covariance.data()) * turn.transpose();
+  return out;
+}
+
 }  // namespace
 
 GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossless)
@@ -24,6 +35,7 @@ GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossles
       seed_(seed),
       lossless_(lossless),
       jobs_(kJobs),
+      tiles_told_(kTiles),
       thread_({.name = "odo-graph", .stack_bytes = kStack_bytes}) {
   begin_anew();
   // Memory that was used once stays with the process (MemoryLock): what a step takes for a while is there already.
@@ -65,25 +77,31 @@ void GraphFeed::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
   job.codes.assign(codes.begin(), codes.end());
   ++pushed_;
   lock.unlock();
+  changed_.notify_all();
   if (observer_) {
     observer_(job.keyframe, job.codes);  // nobody writes it but who adds
   }
-  changed_.notify_all();
+  lock.lock();
+  if (lossless_ && thread_.started()) {
+    changed_.wait(lock, [this] { return waiting() == 0 && !is_busy_; });
+  }
 }
 
 void GraphFeed::run() {
   static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice));
   bool has_work = false;
+  bool has_drawing = false;
   while (true) {
     {
       std::unique_lock lock(queue_mutex_);
       is_busy_ = has_work;
       changed_.notify_all();
-      changed_.wait(lock, [&] { return has_work || waiting() > 0 || is_ending_; });
+      changed_.wait(lock, [&] {
+        return has_work || has_drawing || waiting() > 0 || (has_untold_ && has_room_for_tile()) || is_ending_;
+      });
       if (is_ending_) {
         return;
       }
-      is_busy_ = true;
     }
     const std::int64_t start_ns = thread_cpu_ns();
     has_work = take() || has_work;
@@ -91,11 +109,76 @@ void GraphFeed::run() {
       const std::lock_guard lock(graph_mutex_);
       has_work = graph_->work();
       report();
+      has_drawing = draw();
     }
     if (!lossless_ && !is_hurried_) {
       sleep_ns(kRest * (thread_cpu_ns() - start_ns));
     }
   }
+}
+
+bool GraphFeed::draw() {
+  if (drawn_revision_ != graph_->revision() || drawn_keyframes_ != graph_->keyframes().size()) {
+    drawn_revision_ = graph_->revision();
+    drawn_keyframes_ = graph_->keyframes().size();
+    tiles_->update(graph_->world());
+  }
+  const bool has_more = tiles_->work(graph_->world());
+  has_untold_ = !hand_on();
+  return has_more;
+}
+
+bool GraphFeed::hand_on() {
+  while (true) {
+    std::unique_lock lock(queue_mutex_);
+    if (!has_room_for_tile()) {
+      return false;
+    }
+    lock.unlock();
+    Tile& tile = tiles_told_[tiles_pushed_ % kTiles];  // nobody reads it before it is counted
+    const auto index = tiles_->tell(tile.cells);
+    if (!index) {
+      return true;
+    }
+    tile.record = {.stamp_ns = graph_->keyframes()[graph_->keyframes().size() - 1].stamp_ns,
+                   .column = index->column,
+                   .row = index->row,
+                   .size_cells = WorldTiles::kSide_cells,
+                   .cell_size_m = params_.slam.low.grid.resolution_m};
+    lock.lock();
+    ++tiles_pushed_;
+  }
+}
+
+bool GraphFeed::next_tile(MapTileRecord& tile, std::span<std::uint8_t> cells) {
+  const std::lock_guard lock(queue_mutex_);
+  if (tiles_pushed_ == tiles_taken_) {
+    return false;
+  }
+  const Tile& next = tiles_told_[tiles_taken_ % kTiles];
+  tile = next.record;
+  std::copy(next.cells.begin(), next.cells.end(), cells.begin());
+  ++tiles_taken_;
+  changed_.notify_all();
+  return true;
+}
+
+void GraphFeed::place(PoseRecord& pose) {
+  const std::lock_guard lock(queue_mutex_);
+  if (pose.map_number != placed_number_) {
+    return;  // its first keyframe is not here yet: the map begins where the filter has it
+  }
+  const Pose2 map_T_odom = filter_->follow(pose.map_T_odom, pose.odom_T_scan);
+  const double turn_rad = map_T_odom.yaw_rad - pose.map_T_odom.yaw_rad;
+  pose.map_T_odom = map_T_odom;
+  pose.map_T_scan = map_T_odom * pose.odom_T_scan;
+  pose.covariance = turned(pose.covariance, turn_rad);
+  health_.map_T_odom = map_T_odom;
+}
+
+Pose2 GraphFeed::to_local(const Pose2& map_T_scan) const {
+  const std::lock_guard lock(queue_mutex_);
+  return filter_->to_local(map_T_scan);
 }
 
 bool GraphFeed::take() {
@@ -105,6 +188,7 @@ bool GraphFeed::take() {
     if (waiting() == 0) {
       break;
     }
+    is_busy_ = true;
     const Job& job = jobs_[taken_ % kJobs];  // nobody writes it while it waits
     lock.unlock();
     {
@@ -124,7 +208,14 @@ bool GraphFeed::take() {
   return has_work;
 }
 
-void GraphFeed::begin_anew() { graph_.emplace(params_.graph, params_.limits, params_.scan, seed_); }
+void GraphFeed::begin_anew() {
+  const double resolution_m = params_.slam.low.grid.resolution_m;
+  graph_.emplace(params_.graph, params_.limits, params_.scan, seed_);
+  tiles_.emplace(params_.slam.low.beam, params_.scan, resolution_m, params_.graph.keyframes_max);
+  drawn_revision_ = drawn_keyframes_ = 0;
+  const std::lock_guard lock(queue_mutex_);
+  filter_.emplace(params_.graph);
+}
 
 void GraphFeed::report() {
   const SubmapGraph::Counts& counts = graph_->counts();
@@ -133,7 +224,9 @@ void GraphFeed::report() {
              .loop_closures = counts.accepted - counts.taken_out,
              .used = graph_->used(),
              .keyframes_left_out = left_out_,
-             .map_T_odom = graph_->map_T_odom()};
+             .map_T_odom = health_.map_T_odom};
+  placed_number_ = map_number_;
+  filter_->update(*graph_);
 }
 
 GraphHealth GraphFeed::health() const {

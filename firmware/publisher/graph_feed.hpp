@@ -12,10 +12,13 @@
 #include <vector>
 
 #include "config/robot_params.hpp"
+#include "core/graph/filter_in_world.hpp"
 #include "core/graph/submap_graph.hpp"
 #include "core/graph/trajectory_correction.hpp"
+#include "core/graph/world_tiles.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "firmware/records/health.hpp"
+#include "firmware/records/records.hpp"
 #include "rt/real_time_thread.hpp"
 
 namespace odoless {
@@ -42,8 +45,16 @@ class GraphFeed {
 
   /// Before the first keyframe: told each that is not left out, by who adds it.
   void tell(Observer observer) { observer_ = std::move(observer); }
-  /// Another map number than before begins anew.
+  /// Another map number than before begins anew. In a lossless replay it waits until all that comes of it is done, so
+  /// that corrections go in at the same scans however fast the machine is.
   void add(const Keyframe& keyframe, std::span<const BeamCode> codes);
+
+  /// Every pose, as the filter has it in its own map: where the world has that.
+  void place(PoseRecord& pose);
+  /// A pose of the world in the filter's own map, by the submap that is nearest to it.
+  [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const;
+  /// A tile of the map that has changed: written to `cells`, WorldTiles::Occupancy of them. @return  Whether there was.
+  [[nodiscard]] bool next_tile(MapTileRecord& tile, std::span<std::uint8_t> cells);
 
   /// What it has come to.
   [[nodiscard]] GraphHealth health() const;
@@ -61,12 +72,22 @@ class GraphFeed {
     Keyframe keyframe;
     std::vector<BeamCode> codes;
   };
+  struct Tile {
+    MapTileRecord record;
+    WorldTiles::Occupancy cells;
+  };
   static constexpr std::size_t kJobs = 128;
+  static constexpr std::size_t kTiles = 32;
 
   void run();
   /// Takes over what waits. @return  Whether there was something.
   bool take();
   void begin_anew();
+  /// Draws a little, and hands on what is drawn. @return  Whether there is more to draw; what is drawn waits for room.
+  bool draw();
+  /// @return  Whether all that is drawn is handed on; else there is no room.
+  bool hand_on();
+  [[nodiscard]] bool has_room_for_tile() const { return tiles_pushed_ - tiles_taken_ < kTiles; }
   /// For `health`; whoever holds graph_mutex_.
   void report();
   [[nodiscard]] std::size_t waiting() const { return pushed_ - taken_; }
@@ -82,12 +103,21 @@ class GraphFeed {
   std::int64_t left_out_ = 0;
   OdometryStretch since_left_out_;  ///< of keyframes left out, to go with the next
   bool is_busy_ = false;
+  bool has_untold_ = false;
   bool is_ending_ = false;
   std::atomic<bool> is_hurried_{false};  ///< somebody waits for the end
   GraphHealth health_;
+  int placed_number_ = -1;               ///< of the map that `health_` and `filter_` are of
+  std::optional<FilterInWorld> filter_;  ///< always there; begun anew with another map
+  std::vector<Tile> tiles_told_;         ///< a ring
+  std::size_t tiles_pushed_ = 0;
+  std::size_t tiles_taken_ = 0;
   Observer observer_;
   mutable std::timed_mutex graph_mutex_;
   std::optional<SubmapGraph> graph_;  ///< always there; begun anew with another map
+  std::optional<WorldTiles> tiles_;   ///< likewise
+  std::int64_t drawn_revision_ = 0;
+  int drawn_keyframes_ = 0;
   int map_number_ = 0;
   bool is_finished_ = false;
   RealTimeThread thread_;

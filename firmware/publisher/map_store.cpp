@@ -1,6 +1,7 @@
 #include "firmware/publisher/map_store.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace odoless {
 namespace {
@@ -41,6 +42,14 @@ void MapStore::forget(const Extent& old_columns, const Extent& old_rows) {
   }
 }
 
+bool MapStore::is_near(const MapTileRecord& tile, const Pose2& map_T_scan) const {
+  const auto off_cells = [&](int at, double of_robot_m) {
+    return std::abs((at + 0.5) * tile.size_cells - of_robot_m / geometry_.resolution_m);
+  };
+  return off_cells(tile.column, map_T_scan.x_m) <= 0.5 * geometry_.columns &&
+         off_cells(tile.row, map_T_scan.y_m) <= 0.5 * geometry_.rows;
+}
+
 void MapStore::update(const MapTileRecord& tile, std::span<const std::uint8_t> cells) {
   const int left = tile.column * tile.size_cells;
   const int lowest = tile.row * tile.size_cells;
@@ -59,6 +68,31 @@ void MapStore::update(const MapTileRecord& tile, std::span<const std::uint8_t> c
                                 static_cast<std::size_t>(column - left)];
     }
   }
+}
+
+int MapStore::tiles(int side_cells) const {
+  const auto over = [side_cells](const Extent& extent) { return (extent.size() + side_cells - 1) / side_cells; };
+  return over(columns_) * over(rows_);
+}
+
+bool MapStore::next_tile(MapTileRecord& tile, std::span<std::uint8_t> cells) {
+  const int side = tile.size_cells;
+  const int columns = (columns_.size() + side - 1) / side;
+  next_tile_ = next_tile_ + 1 < tiles(side) ? next_tile_ + 1 : 0;
+  const int left = columns_.begin + next_tile_ % columns * side;
+  const int lowest = rows_.begin + next_tile_ / columns * side;
+  bool is_known = false;
+  auto out = cells.begin();
+  for (int row = lowest; row < lowest + side; ++row) {
+    for (int column = left; column < left + side; ++column) {
+      *out = row < rows_.end && column < columns_.end ? cell(column, row) : kUnknownCell;
+      is_known |= *out++ != kUnknownCell;
+    }
+  }
+  tile.column = left / side;
+  tile.row = lowest / side;
+  tile.cell_size_m = geometry_.resolution_m;
+  return is_known;
 }
 
 MapView MapStore::view(std::int64_t stamp_ns) {

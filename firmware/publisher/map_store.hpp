@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/geometry/pose2.hpp"
 #include "core/grid/grid_geometry.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "firmware/health/status.hpp"
@@ -20,6 +21,14 @@ class MapStore {
   explicit MapStore(const GridGeometry& geometry);
 
   void update(const MapTileRecord& tile, std::span<const std::uint8_t> cells);
+  /// Whether a tile is as near to the robot as half the grid: one that is not would move the known part away from it.
+  [[nodiscard]] bool is_near(const MapTileRecord& tile, const Pose2& map_T_scan) const;
+
+  /// Tiles of that side that the known part touches.
+  [[nodiscard]] int tiles(int side_cells) const;
+  /// One after the other of them, again and again, whose side `tile` says.
+  /// @return  Whether anything is known in it; else nothing is written.
+  bool next_tile(MapTileRecord& tile, std::span<std::uint8_t> cells);
 
   /// The part that is known; no cells while nothing is. Valid until the next call.
   [[nodiscard]] MapView view(std::int64_t stamp_ns);
@@ -48,6 +57,7 @@ class MapStore {
   std::vector<std::uint8_t> cut_;
   Extent columns_;  ///< the known part
   Extent rows_;
+  int next_tile_ = 0;
 };
 
 }  // namespace odoless

@@ -19,7 +19,9 @@ Publisher::Publisher(const PublisherParams& params, const GridGeometry& geometry
       live_(params.has_page ? std::make_unique<LiveView>(geometry) : nullptr),
       poses_(folder),
       wants_link_(!params.lcm.url.empty()),
-      overview_ns_(static_cast<std::int64_t>(params.lcm.overview_s * 1e9)) {
+      overview_ns_(static_cast<std::int64_t>(params.lcm.overview_s * 1e9)),
+      map_refresh_ns_(static_cast<std::int64_t>(params.lcm.map_refresh_s * 1e9)),
+      tile_cells_(std::tuple_size_v<WorldTiles::Occupancy>) {
   last_ranges_m_.reserve(static_cast<std::size_t>(pipeline.pool.beams_max()));
   link_.set_laser(params.laser);
   if (!params.recorder.path.empty()) {
@@ -50,6 +52,8 @@ void Publisher::round(std::int64_t now_ns) {
   log_events(pipeline_.sensor.log);
   log_events(pipeline_.matcher.log);
   log_events(pipeline_.filter.log);
+  take_tiles_of_graph();
+  refresh_tiles(now_ns);
   publish_cloud();
   watch(now_ns);
   publish_overview(now_ns);
@@ -86,11 +90,11 @@ void Publisher::take(RecordType type, std::span<const std::byte> bytes) {
     case RecordType::kMotion:
       return take_motion(bytes);
     case RecordType::kPath:
-      return cloud_ ? cloud_->correct(elements_of<StampedPose, PathRecord>(bytes)) : void();
+      return take_path(elements_of<StampedPose, PathRecord>(bytes));
     case RecordType::kPose:
       return take_pose(bytes);
     case RecordType::kMapTile:
-      return take_tile(bytes);
+      return take_tile(record_of<MapTileRecord>(bytes), elements_of<std::uint8_t, MapTileRecord>(bytes));
     case RecordType::kKeyframe:
       return take_keyframe(bytes);
     case RecordType::kEvent:
@@ -125,7 +129,12 @@ void Publisher::take_motion(std::span<const std::byte> bytes) {
 }
 
 void Publisher::take_pose(std::span<const std::byte> bytes) {
-  const auto pose = record_of<PoseRecord>(bytes);
+  auto pose = record_of<PoseRecord>(bytes);
+  const Pose2 odom_T_local = pose.map_T_odom.inverse();
+  if (graph_) {
+    graph_->place(pose);
+  }
+  map_T_local_ = pose.map_T_odom * odom_T_local;
   poses_.add(pose);
   if (world_) {
     world_->add(StampedPose{pose.stamp_ns, pose.odom_T_scan}, pose.map_number);
@@ -147,16 +156,51 @@ void Publisher::take_pose(std::span<const std::byte> bytes) {
   }
 }
 
+// As the filter has it around the robot.
+void Publisher::take_path(std::span<const StampedPose> path) {
+  if (cloud_) {
+    path_.assign(path.begin(), path.end());
+    for (StampedPose& pose : path_) {
+      pose.map_T_scan = map_T_local_ * pose.map_T_scan;
+    }
+    cloud_->correct(path_);
+  }
+}
+
 void Publisher::take_keyframe(std::span<const std::byte> bytes) {
   if (graph_) {
     graph_->add(record_of<Keyframe>(bytes), elements_of<BeamCode, Keyframe>(bytes));
   }
 }
 
-void Publisher::take_tile(std::span<const std::byte> bytes) {
-  const auto tile = record_of<MapTileRecord>(bytes);
-  const std::span<const std::uint8_t> cells = elements_of<std::uint8_t, MapTileRecord>(bytes);
-  map_.update(tile, cells);
+// A few a round, so that poses don't wait behind them.
+void Publisher::take_tiles_of_graph() {
+  constexpr int kTilesPerRound = 4;
+  MapTileRecord tile;
+  for (int i = 0; graph_ && i < kTilesPerRound && graph_->next_tile(tile, tile_cells_); ++i) {
+    take_tile(tile, tile_cells_);
+  }
+}
+
+void Publisher::refresh_tiles(std::int64_t now_ns) {
+  if (!graph_ || !link_.is_open()) {
+    return;
+  }
+  const double share =
+      static_cast<double>(now_ns - std::exchange(refreshed_ns_, now_ns)) / static_cast<double>(map_refresh_ns_);
+  tiles_owed_ += std::min(share, 1.0) * map_.tiles(WorldTiles::kSide_cells);
+  MapTileRecord tile{.stamp_ns = last_scan_.stamp_ns, .size_cells = WorldTiles::kSide_cells};
+  for (; tiles_owed_ >= 1.0; tiles_owed_ -= 1.0) {
+    if (map_.next_tile(tile, tile_cells_)) {
+      static_cast<void>(link_.publish(tile, tile_cells_));
+    }
+  }
+}
+
+void Publisher::take_tile(const MapTileRecord& tile, std::span<const std::uint8_t> cells) {
+  if (!graph_ || !last_pose_ || map_.is_near(tile, last_pose_->map_T_scan)) {
+    map_.update(tile, cells);
+  }
   if (live_) {
     live_->take(tile, cells);
   }

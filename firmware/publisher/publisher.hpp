@@ -58,6 +58,10 @@ class Publisher {
   [[nodiscard]] int start_graph();
   /// Threads that `start_graph` starts.
   [[nodiscard]] int threads() const { return (graph_ ? 1 : 0) + (world_ ? 1 : 0); }
+  /// Any thread: a pose of the map frame in the filter's own map.
+  [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const {
+    return graph_ ? graph_->to_local(map_T_scan) : map_T_scan;
+  }
 
   /// Takes all that waits; to be called every few milliseconds, and once when the other threads have ended.
   void round(std::int64_t now_ns);
@@ -101,7 +105,11 @@ class Publisher {
   void take_tilt(std::span<const std::byte> bytes);
   void take_motion(std::span<const std::byte> bytes);
   void take_pose(std::span<const std::byte> bytes);
-  void take_tile(std::span<const std::byte> bytes);
+  void take_path(std::span<const StampedPose> path);
+  void take_tile(const MapTileRecord& tile, std::span<const std::uint8_t> cells);
+  void take_tiles_of_graph();
+  /// Publishes a share of all tiles again, so that who listens from now on has the whole map after the refresh time.
+  void refresh_tiles(std::int64_t now_ns);
   void take_keyframe(std::span<const std::byte> bytes);
   void watch(std::int64_t now_ns);
   void publish_cloud();
@@ -131,6 +139,7 @@ class Publisher {
   bool link_refuses_ = false;  ///< messages, and it is told
   std::int64_t next_open_ns_ = 0;
   std::int64_t overview_ns_;
+  std::int64_t map_refresh_ns_;
   std::int64_t next_overview_ns_ = 0;
   std::int64_t next_health_ns_ = 0;
   ScanRecord last_scan_;
@@ -139,6 +148,11 @@ class Publisher {
   std::int64_t rate_taken_ns_ = 0;
   double poses_hz_ = 0.0;
   std::vector<float> last_ranges_m_;
+  Pose2 map_T_local_{};  ///< where the filter's own map lies, around the robot
+  std::vector<StampedPose> path_;
+  std::vector<std::uint8_t> tile_cells_;
+  std::int64_t refreshed_ns_ = 0;
+  double tiles_owed_ = 0.0;
   bool map_changed_ = false;
 };
 

@@ -108,7 +108,9 @@ void FilterLoop::publish(const FilterStep& step, const Motion& motion) {
   record.odom_T_scan = motion.odom_T_current;
   record.map_number = map_number_;
   send(pipeline_, pipeline_.filter.outbox, RecordType::kPose, record);
-  tiles_.send(pipeline_.filter.outbox, step, record.stamp_ns, motion.to_stamp_ns - motion.from_stamp_ns);
+  if (!keyframes_) {  // else the map is made of those
+    tiles_.send(pipeline_.filter.outbox, step, record.stamp_ns, motion.to_stamp_ns - motion.from_stamp_ns);
+  }
   if (tells_path_ && step.updated) {
     path_.send(pipeline_.filter.outbox, stage_.filter(), record.stamp_ns);
   }

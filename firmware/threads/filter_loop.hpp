@@ -27,7 +27,7 @@ class FilterLoop {
   /// @param before  Set when no motion will come any more: by the matcher, or by the sensor thread where it receives.
   void run(const std::atomic<bool>& before);
 
-  /// Before `run`: keyframes are told too.
+  /// Before `run`: keyframes are told, instead of the filter's own map.
   void tell_keyframes(const GraphParams& params) { keyframes_.emplace(params); }
   /// Before `run`: the trajectory is told too.
   void tell_path() { tells_path_ = true; }

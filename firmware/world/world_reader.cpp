@@ -185,13 +185,8 @@ class Reader {
   }
 
   Number add_submap(int session, int first, int count, const Pose2& map_T_submap) {
-    KeyframeStore& store = world_->store;
-    const Keyframe& origin = store[first + count / 2];
-    for (int k = first; k < first + count; ++k) {
-      store.place(k, origin.odom_T_scan.inverse() * store[k].odom_T_scan);
-    }
     std::vector<Mapped>& mapped = mapped_[static_cast<std::size_t>(session)];
-    mapped.push_back({{first, count, origin.odom_T_scan, origin.stamp_ns}, map_T_submap});
+    mapped.push_back({make_submap(world_->store, first, count), map_T_submap});
     return {session, static_cast<int>(mapped.size()) - 1};
   }
 

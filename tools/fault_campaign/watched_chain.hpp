@@ -4,16 +4,18 @@
 
 #include "firmware/health/health_monitor.hpp"
 #include "firmware/stages/stage_chain.hpp"
+#include "tools/replay/graph_run.hpp"
 
 namespace odoless::campaign {
 
-/// The daemon without its threads: the stages, and the health report made of what they say of themselves.
+/// The daemon without its threads: the stages, the pose graph, and the health report made of what they say of
+/// themselves.
 ///
 /// A copy goes on from where the original was.
 class WatchedChain {
  public:
   WatchedChain(const RobotParams& params, std::uint64_t seed, bool live)
-      : chain_(params, seed, live), monitor_(HealthParams{}) {}
+      : chain_(params, seed, live), graph_(params, seed), monitor_(HealthParams{}) {}
 
   /// A scan arrives.
   ScanVerdict process(const RawScan& raw, std::int64_t now_ns);
@@ -29,6 +31,7 @@ class WatchedChain {
 
  private:
   StageChain chain_;
+  GraphRun graph_;
   HealthMonitor monitor_;
   SensorReport sensor_;
   MatcherReport matcher_;

@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "core/base/check.hpp"
-#include "core/graph/keyframe_gate.hpp"
 #include "core/graph/world_map.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/log_times.hpp"
+#include "tools/replay/graph_run.hpp"
 #include "tools/replay/summary.hpp"
 
 namespace odoless {
@@ -140,48 +141,16 @@ class Recorder {
   std::int64_t last_time_ns_ = 0;
 };
 
-/// The pose graph beside the stages, on the scans and motions that they have.
-class GraphRun {
- public:
-  GraphRun(const RobotParams& params, std::uint64_t seed)
-      : params_(params), gate_(params.graph), graph_(params.graph, params.limits, params.scan, seed) {}
-
-  void add(const ScanFrame& scan, const Motion& motion, const Pose2& map_T_odom) {
-    odom_.push_back({scan.stamp_ns(), motion.odom_T_current});
-    if (!gate_.add(motion)) {
-      return;
-    }
-    Keyframe keyframe;
-    codes_.resize(static_cast<std::size_t>(gate_.beams(scan)));
-    gate_.encode(scan, map_T_odom, keyframe, codes_);
-    gate_.accept();
-    bool is_at_work = graph_.add(keyframe, codes_);
-    while (is_at_work) {
-      is_at_work = graph_.work();
-    }
-  }
-
-  void finish(ReplayResult& result, const GraphWatcher& watcher) {
-    graph_.finish();
-    if (watcher) {
-      watcher(graph_, odom_);
-    }
-    result.trajectory = graph_.corrected(odom_);
-    WorldMap map(params_.slam.low.beam, params_.slam.low.grid.resolution_m);
-    map.render(graph_.world(), params_.scan);
-    map.write(result.map);
-    result.graph = graph_.graph();
-    result.closures = graph_.counts();
-    result.outside_scans = 0;  // a map of keyframes has no edge
-  }
-
- private:
-  const RobotParams& params_;
-  KeyframeGate gate_;
-  SubmapGraph graph_;
-  std::vector<BeamCode> codes_;
-  std::vector<StampedPose> odom_;
-};
+void finish(const SubmapGraph& graph, const RobotParams& params, std::span<const StampedPose> odom,
+            ReplayResult& result) {
+  result.trajectory = graph.corrected(odom);
+  WorldMap map(params.slam.low.beam, params.slam.low.grid.resolution_m);
+  map.render(graph.world(), params.scan);
+  map.write(result.map);
+  result.graph = graph.graph();
+  result.closures = graph.counts();
+  result.outside_scans = 0;  // a map of keyframes has no edge
+}
 
 }  // namespace
 
@@ -191,21 +160,23 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
   StageChain chain(params, options.seed, false);
   Recorder recorder(log);
   std::optional<GraphRun> graph;
+  std::vector<StampedPose> odom;
   if (params.graph.enabled) {
     graph.emplace(params, options.seed);
   }
   for (std::size_t i = 0; i < used.size(); ++i) {
     const LogScan& scan = log.scans[static_cast<std::size_t>(used[i])];
     const RawScan raw = scan.raw();
-    const ChainStep step = chain.process(raw, raw.stamp_ns, scan.is_level);
+    ChainStep step = chain.process(raw, raw.stamp_ns, scan.is_level);
     if (step.verdict == ScanVerdict::kMalformed) {
       refuse(raw, params.scan, used[i]);
     }
     if (step.verdict == ScanVerdict::kAccepted) {
-      recorder.add(used[i], step, chain.frame().time_ns());
       if (graph) {
-        graph->add(chain.frame(), step.motion, step.filter.map_T_odom);
+        graph->add(chain.frame(), step.motion, step.filter);
+        odom.push_back({step.stamp_ns, step.motion.odom_T_current});
       }
+      recorder.add(used[i], step, chain.frame().time_ns());
       if (watcher) {
         watcher(step, raw, chain);
       }
@@ -217,7 +188,11 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
   }
   ReplayResult result = recorder.finish(chain.filter().filter());
   if (graph) {
-    graph->finish(result, options.on_graph);
+    const SubmapGraph& finished = graph->finished();
+    if (options.on_graph) {
+      options.on_graph(finished, odom);
+    }
+    finish(finished, params, odom, result);
   }
   result.source = chain.sensor().counts();
   result.log_duration_s = to_s(log.scans[static_cast<std::size_t>(used.back())].stamp_ns - log.scans.front().stamp_ns);

@@ -1,0 +1,105 @@
+#include "core/graph/filter_in_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace odoless {
+namespace {
+
+constexpr double kJump_m = 0.5;  // of the filter's pose against the odometry, from one scan to the next
+constexpr double kJump_rad = 0.1;
+constexpr double kAgreement_m = 0.25;  // of graph and filter: a degree is five metres at the far end of a building
+constexpr double kAgreement_rad = 0.02;
+constexpr double kHolds = 0.3;      // weight of a loop closure
+constexpr double kReach_m = 6.0;    // from a submap's origin
+constexpr std::size_t kNewest = 4;  // submaps that the filter may have had elsewhere before the jump
+
+bool are_within(const Pose2& a, const Pose2& b, double distance_m, double turn_rad) {
+  return a.distance_m(b) < distance_m && std::abs(wrap_angle(a.yaw_rad - b.yaw_rad)) < turn_rad;
+}
+
+/// Whether a loop closure holds a submap from there on by one from before.
+bool is_found_since(const PoseGraph& graph, int submap) {
+  return std::any_of(graph.constraints().begin(), graph.constraints().end(), [submap](const Constraint& each) {
+    return each.is_loop && each.weight > kHolds && std::min(each.from, each.to) < submap &&
+           std::max(each.from, each.to) > submap;
+  });
+}
+
+}  // namespace
+
+FilterInWorld::FilterInWorld(const GraphParams& params) {
+  places_.reserve(static_cast<std::size_t>(params.submaps_max));
+}
+
+void FilterInWorld::update(const SubmapGraph& graph) {
+  if (revision_ != graph.revision()) {
+    revision_ = graph.revision();
+    if (claim_ && is_found_since(graph.graph(), claimed_at_)) {
+      claim_.reset();
+    }
+    for (std::size_t i = 0; i < graph.submaps().size(); ++i) {
+      if (i == places_.size()) {
+        places_.emplace_back();
+      }
+      places_[i].map_T_submap = graph.graph().pose(static_cast<int>(i));
+      places_[i].local_T_submap = graph.submaps()[i].local_T_submap;
+    }
+  }
+  if (graph.keyframes().size() > 0) {
+    begin_ = graph.keyframes()[0].map_T_odom;
+  }
+  graph_map_T_odom_ = graph.is_behind_a_tear() ? std::nullopt : std::optional(graph.map_T_odom());
+}
+
+Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan) {
+  const Pose2 local_T_scan = local_T_odom * odom_T_scan;
+  const bool has_jumped =
+      !are_within(local_T_odom_.value_or(local_T_odom) * odom_T_scan, local_T_scan, kJump_m, kJump_rad);
+  local_T_odom_ = local_T_odom;
+  if (places_.empty()) {
+    return begin_.value_or(local_T_odom);
+  }
+  if (has_jumped) {
+    claim_ = nearest(local_T_scan).value_or(claim_.value_or(places_.size() - 1));  // in the unknown: by the last known
+    claimed_at_ = static_cast<int>(places_.size());
+  }
+  const Pose2 newest = graph_map_T_odom_.value_or(places_.back().map_T_local() * local_T_odom);
+  if (!claim_) {
+    return newest;
+  }
+  const Pose2 claimed = places_[*claim_].map_T_local() * local_T_odom;
+  if (graph_map_T_odom_ && are_within(claimed * odom_T_scan, newest * odom_T_scan, kAgreement_m, kAgreement_rad)) {
+    claim_.reset();
+    return newest;
+  }
+  return claimed;
+}
+
+std::optional<std::size_t> FilterInWorld::nearest(const Pose2& local_T_scan) const {
+  std::optional<std::size_t> found;
+  double nearest_m = kReach_m;
+  for (std::size_t i = 0; i + kNewest < places_.size(); ++i) {
+    const double distance_m = places_[i].local_T_submap.distance_m(local_T_scan);
+    if (distance_m < nearest_m) {
+      nearest_m = distance_m;
+      found = i;
+    }
+  }
+  return found;
+}
+
+Pose2 FilterInWorld::to_local(const Pose2& map_T_scan) const {
+  double nearest_m = std::numeric_limits<double>::infinity();
+  Pose2 local_T_scan = map_T_scan;
+  for (const Place& place : places_) {
+    if (const double distance_m = place.map_T_submap.distance_m(map_T_scan); distance_m < nearest_m) {
+      nearest_m = distance_m;
+      local_T_scan = place.map_T_local().inverse() * map_T_scan;
+    }
+  }
+  return local_T_scan;
+}
+
+}  // namespace odoless

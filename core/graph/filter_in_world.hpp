@@ -1,0 +1,50 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/geometry/pose2.hpp"
+#include "core/graph/submap_graph.hpp"
+
+namespace odoless {
+
+/// Where the particle filter's own map lies in the world, and with it the published map_T_odom: the graph's, which has
+/// closed the loops; but where the filter's pose has jumped (the robot was found, or told where it is) the filter's, by
+/// the submap that the robot is at in the filter's map, until the graph has it there too, or has closed a loop from
+/// beyond the jump. How: core/graph/README.md.
+///
+/// Frames: map, odom; local, which is the filter's map. Memory is fixed at construction. Thread: owned by one thread.
+/// `follow` takes constant time but at a jump, when it is linear in the submaps.
+class FilterInWorld {
+ public:
+  explicit FilterInWorld(const GraphParams& params);
+
+  /// Whenever the graph may have changed.
+  void update(const SubmapGraph& graph);
+  /// Every scan, as the filter has it. @return  map_T_odom.
+  Pose2 follow(const Pose2& local_T_odom, const Pose2& odom_T_scan);
+  /// A pose of the world in the filter's own map, by the submap that is nearest to it.
+  [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const;
+
+ private:
+  struct Place {
+    Pose2 map_T_submap{};
+    Pose2 local_T_submap{};
+
+    [[nodiscard]] Pose2 map_T_local() const { return map_T_submap * local_T_submap.inverse(); }
+  };
+
+  /// The submap that the robot is at.
+  [[nodiscard]] std::optional<std::size_t> nearest(const Pose2& local_T_scan) const;
+
+  std::vector<Place> places_;  ///< of the submaps
+  std::int64_t revision_ = -1;
+  std::optional<Pose2> begin_;             ///< map_T_odom before there is a submap
+  std::optional<Pose2> graph_map_T_odom_;  ///< none behind a motion that is not credible
+  std::optional<Pose2> local_T_odom_;      ///< of the scan before
+  std::optional<std::size_t> claim_;       ///< since a jump: the submap by which the filter has the robot in the world
+  int claimed_at_ = 0;                     ///< the submap that was being made then
+};
+
+}  // namespace odoless

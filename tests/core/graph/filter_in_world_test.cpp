@@ -1,0 +1,60 @@
+// Where the filter's map lies in the world: as the graph says, but where the filter's pose has jumped.
+#include "core/graph/filter_in_world.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/graph/graph_drive.hpp"
+
+namespace odoless {
+namespace {
+
+/// A robot that has gone round a ring of corridors, and a filter that had it where the odometry had it.
+class FilterThatJumps : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    run_.drive(kRound);
+    ASSERT_GT(run_.graph.submaps().size(), 5U);
+    follow({});
+  }
+
+  /// @return  Where the world has the robot, which the filter has there.
+  Pose2 follow(const Pose2& local_T_odom) {
+    where_.update(run_.graph);
+    return where_.follow(local_T_odom, odom_T_scan()) * odom_T_scan();
+  }
+  [[nodiscard]] const Pose2& odom_T_scan() const { return run_.odom.back().map_T_scan; }
+  /// For a filter that has the robot there.
+  [[nodiscard]] Pose2 local_T_odom(const Pose2& local_T_scan) const { return local_T_scan * odom_T_scan().inverse(); }
+
+  Drive run_{ring(18.0, 10.0), {}};
+  FilterInWorld where_{GraphParams{}};
+};
+
+TEST_F(FilterThatJumps, IsFollowed) {
+  const Pose2 found = odom_T_scan() * Pose2{4.0, 2.0, 0.5};  // it was carried: the odometry does not know
+  EXPECT_LT(follow(local_T_odom(found)).distance_m(found), 0.1);
+}
+
+TEST_F(FilterThatJumps, IsLeftToItselfOnceTheGraphAgrees) {
+  const Pose2 found = odom_T_scan() * Pose2{4.0, 2.0, 0.5};
+  static_cast<void>(follow(local_T_odom(found)));
+  const Pose2 home = odom_T_scan();
+  static_cast<void>(follow(local_T_odom(home)));  // it jumps back
+  const Pose2 slipped = odom_T_scan() * Pose2{0.3, 0.0, 0.0};
+  EXPECT_LT(follow(local_T_odom(slipped)).distance_m(home), 1e-9) << "the world has the odometry's motion";
+}
+
+TEST_F(FilterThatJumps, IsNotFollowedWhereItSlips) {
+  Pose2 local_T_scan = odom_T_scan();
+  for (int i = 0; i < 10; ++i) {
+    local_T_scan = local_T_scan * Pose2{0.2, 0.0, 0.02};
+    EXPECT_LT(follow(local_T_odom(local_T_scan)).distance_m(odom_T_scan()), 1e-9);
+  }
+}
+
+TEST_F(FilterThatJumps, HasAPlaceForEachPoseOfTheWorld) {
+  EXPECT_LT(where_.to_local(odom_T_scan()).distance_m(odom_T_scan()), 0.05);
+}
+
+}  // namespace
+}  // namespace odoless
