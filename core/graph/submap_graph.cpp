@@ -30,7 +30,6 @@ constexpr double kScore_min = 0.25;
 constexpr double kCoverage_min = 0.45;
 constexpr double kAgreement_min = 0.85;
 constexpr double kGate_chi2 = 16.0;
-constexpr double kJump_m = 0.3;          // of the filter's pose against the odometry, over a submap
 constexpr double kUnmistakable_m = 1.0;  // three deviations within which no other place can be meant
 constexpr double kTakenOut_weight = 0.2;
 constexpr int kIterations = 25;
@@ -63,15 +62,7 @@ bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
   return phase_ != Phase::kIdle;
 }
 
-// The filter's, which has weighed the hypotheses of a motion, and drifts less; but where it has jumped meanwhile the
-// odometry's, if that says anything.
-Pose2 SubmapGraph::last_T_finished() const {
-  const Pose2 by_filter = submaps_.back().local_T_submap.inverse() * builder_.finished().local_T_submap;
-  const OdometryStretch& odometry = builder_.odometry();
-  const bool has_jumped = by_filter.distance_m(odometry.start_T_end) > kJump_m;
-  return has_jumped && !odometry.is_torn() ? odometry.start_T_end : by_filter;
-}
-
+// The filter weighs the hypotheses of a motion that is not credible: there its word counts.
 void SubmapGraph::add_submap() {
   while (work()) {
   }
@@ -80,12 +71,12 @@ void SubmapGraph::add_submap() {
     graph_.add_node(store_[submap.first_keyframe].map_T_odom * submap.odom_T_submap);
   } else {
     const int last = graph_.size() - 1;
-    const Pose2 last_T_submap = last_T_finished();
+    const OdometryStretch& odometry = builder_.odometry();
+    const Pose2 last_T_submap =
+        odometry.is_torn() ? submaps_.back().local_T_submap.inverse() * submap.local_T_submap : odometry.start_T_end;
     const int node = graph_.add_node(graph_.pose(last) * last_T_submap);
-    graph_.add({.from = last,
-                .to = node,
-                .from_T_to = last_T_submap,
-                .covariance = builder_.odometry().constraint_covariance(limits_)});
+    graph_.add(
+        {.from = last, .to = node, .from_T_to = last_T_submap, .covariance = odometry.constraint_covariance(limits_)});
     matcher_.forget(last);
     matcher_.forget(last - 1);
   }

@@ -85,8 +85,6 @@ class SubmapGraph {
   };
 
   void add_submap();
-  /// What constrains the submap that has ended by the one before.
-  [[nodiscard]] Pose2 last_T_finished() const;
   /// Plans the matches of a submap, and of a few older ones.
   void begin_work(int query);
   /// Appends the candidates of a submap.
