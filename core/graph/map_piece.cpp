@@ -38,8 +38,9 @@ bool MapPiece::add(const KeyframeStore& store, const PlacedKeyframe& placed, con
   const Pose2& pose = placed.map_T_scan;
   const Point2 start{pose.x_m / resolution_m_ - static_cast<double>(index_.column) * kSide_cells,
                      pose.y_m / resolution_m_ - static_cast<double>(index_.row) * kSide_cells};
-  const double off_cells = std::max(std::abs(start.x_m - kSide_cells / 2), std::abs(start.y_m - kSide_cells / 2));
-  if (off_cells > placed.farthest_m / resolution_m_ + kSide_cells / 2) {
+  constexpr double kHalf_cells = 0.5 * kSide_cells;
+  const double off_cells = std::max(std::abs(start.x_m - kHalf_cells), std::abs(start.y_m - kHalf_cells));
+  if (off_cells > placed.farthest_m / resolution_m_ + kHalf_cells) {
     return false;
   }
   store.load(placed.keyframe, 1, frame);

@@ -16,6 +16,7 @@ namespace odoless {
 struct PieceIndex {
   std::int32_t row = 0;
   std::int32_t column = 0;
+  // NOLINTNEXTLINE(modernize-use-nullptr): it takes the 0 that this is compared with for a pointer
   friend auto operator<=>(const PieceIndex&, const PieceIndex&) = default;
 };
 

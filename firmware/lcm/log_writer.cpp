@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace odoless {
@@ -53,7 +54,7 @@ std::string numbered(const std::string& path, int number) {
 
 }  // namespace
 
-LogWriter::LogWriter(const LogWriterParams& params) : params_(params) {
+LogWriter::LogWriter(LogWriterParams params) : params_(std::move(params)) {
   if (!params_.path.empty()) {
     find_earlier_files();
   }

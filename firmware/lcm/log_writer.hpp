@@ -35,7 +35,7 @@ struct LogWriterCounters {
 class LogWriter : public LcmTap {
  public:
   /// Looks for files of earlier runs; opens none.
-  explicit LogWriter(const LogWriterParams& params);
+  explicit LogWriter(LogWriterParams params);
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
   LogWriter(LogWriter&&) = delete;

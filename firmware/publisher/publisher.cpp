@@ -190,7 +190,8 @@ void Publisher::refresh_tiles(std::int64_t now_ns) {
       static_cast<double>(now_ns - std::exchange(refreshed_ns_, now_ns)) / static_cast<double>(map_refresh_ns_);
   tiles_owed_ += std::min(share, 1.0) * map_.tiles(WorldTiles::kSide_cells);
   MapTileRecord tile{.stamp_ns = last_scan_.stamp_ns, .size_cells = WorldTiles::kSide_cells};
-  for (; tiles_owed_ >= 1.0; tiles_owed_ -= 1.0) {
+  while (tiles_owed_ >= 1.0) {
+    tiles_owed_ -= 1.0;
     if (map_.next_tile(tile, tile_cells_)) {
       static_cast<void>(link_.publish(tile, tile_cells_));
     }
