@@ -55,7 +55,7 @@ TEST_F(GraphFeedRun, TellsTilesOfTheMapAsItGrows) {
   int occupied = 0;
   MapTileRecord tile;
   std::vector<std::uint8_t> cells(std::tuple_size_v<WorldTiles::Occupancy>);
-  for (int i = 0; i < 2000 && occupied < 100; ++i) {
+  for (int i = 0; i < 2000 && (occupied < 100 || tiles.size() < 2); ++i) {
     while (feed_.next_tile(tile, cells)) {
       tiles.emplace(tile.column, tile.row);
       for (const std::uint8_t cell : cells) {

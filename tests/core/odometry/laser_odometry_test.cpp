@@ -312,7 +312,7 @@ std::int64_t median(std::vector<std::int64_t> values) {
 TEST(LaserOdometry, MakesItsLocalMapInSlicesAndAsksBetweenThem) {
   LaserOdometryParams params;
   params.key_distance_m = 0.0;                 // each scan is a key scan,
-  params.local_map.fine = {0.01, 30.0, 0.05};  // and a local map takes much longer to make than a match
+  params.local_map.fine = {0.01, 40.0, 0.05};  // and a local map takes much longer to make than a match
   LaserOdometry odometry(params, {}, {}, {});
   SimulatedRoom room(1, 400);
   Rng rng(1);
