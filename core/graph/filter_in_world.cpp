@@ -11,7 +11,6 @@ constexpr double kJump_m = 0.5;  // of the filter's pose against the odometry, f
 constexpr double kJump_rad = 0.1;
 constexpr double kAgreement_m = 0.25;  // of graph and filter: a degree is five metres at the far end of a building
 constexpr double kAgreement_rad = 0.02;
-constexpr double kHolds = 0.3;      // weight of a loop closure
 constexpr double kReach_m = 6.0;    // from a submap's origin
 constexpr std::size_t kNewest = 4;  // submaps that the filter may have had elsewhere before the jump
 
@@ -22,7 +21,7 @@ bool are_within(const Pose2& a, const Pose2& b, double distance_m, double turn_r
 /// Whether a loop closure holds a submap from there on by one from before.
 bool is_found_since(const PoseGraph& graph, int submap) {
   return std::any_of(graph.constraints().begin(), graph.constraints().end(), [submap](const Constraint& each) {
-    return each.is_loop && each.weight > kHolds && std::min(each.from, each.to) < submap &&
+    return each.is_loop && each.holds() && std::min(each.from, each.to) < submap &&
            std::max(each.from, each.to) > submap;
   });
 }
@@ -50,7 +49,7 @@ void FilterInWorld::update(const SubmapGraph& graph) {
   if (graph.keyframes().size() > 0) {
     begin_ = graph.keyframes()[0].map_T_odom;
   }
-  graph_map_T_odom_ = graph.is_behind_a_tear() ? std::nullopt : std::optional(graph.map_T_odom());
+  graph_map_T_odom_ = graph.is_behind_unknown_motion() ? std::nullopt : std::optional(graph.map_T_odom());
 }
 
 Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan) {

@@ -10,8 +10,6 @@
 namespace odoless {
 namespace {
 
-constexpr double kPassable = 0.3;  // weight of a loop closure from which on paths lead through it
-
 // A turn moves what lies a few metres off.
 double cost_of(const Eigen::Matrix3d& covariance) {
   constexpr double kLever_m2 = 25.0;
@@ -80,7 +78,7 @@ void PoseGraph::project(int root, Projection& out) const {
       const bool is_forward = static_cast<std::size_t>(constraint.from) == at;
       each = is_forward ? links.after_from : links.after_to;
       const auto next = static_cast<std::size_t>(is_forward ? constraint.to : constraint.from);
-      if (is_done[next] || (constraint.is_loop && constraint.weight < kPassable)) {
+      if (is_done[next] || !constraint.holds()) {
         continue;
       }
       const Pose2 step = poses_[at].inverse() * poses_[next];

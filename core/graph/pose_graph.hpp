@@ -28,6 +28,9 @@ struct Constraint {
   bool is_loop = false;  ///< a loop closure, which may be wrong; else odometry
   bool is_new = false;   ///< since the last solution
   double weight = 1.0;   ///< that robust least squares give a loop closure; 0: taken out
+
+  /// Whether one may rely on it: odometry, or a loop closure that the others don't contradict.
+  [[nodiscard]] bool holds() const { return !is_loop || weight >= 0.3; }
 };
 
 /// Poses of submaps and the constraints between them.
@@ -61,8 +64,8 @@ class PoseGraph {
   [[nodiscard]] std::span<Constraint> constraints() { return constraints_; }
   [[nodiscard]] std::span<const Constraint> constraints() const { return constraints_; }
 
-  /// Dijkstra's shortest paths by the trace of the covariance [bosse2003atlas, section III-C]. Loop closures with a
-  /// weight below 0.3 lead nowhere. Time: n log n in the constraints.
+  /// Dijkstra's shortest paths by the trace of the covariance [bosse2003atlas, section III-C]. Loop closures that
+  /// don't hold lead nowhere. Time: n log n in the constraints.
   void project(int root, Projection& out) const;
   [[nodiscard]] std::size_t memory_bytes() const;
 

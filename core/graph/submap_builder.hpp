@@ -41,7 +41,7 @@ class SubmapBuilder {
   bool finish(KeyframeStore& store);
 
   /// Whether the submap that has begun lies behind a motion that is not credible.
-  [[nodiscard]] bool is_behind_a_tear() const { return !begun_.empty() && begun_.front().since_last.is_torn(); }
+  [[nodiscard]] bool is_behind_unknown_motion() const { return !begun_.empty() && begun_.front().since_last.is_torn(); }
   [[nodiscard]] const Submap& finished() const { return finished_; }
   /// From the origin of the submap before to the finished one's; default for the first one.
   [[nodiscard]] const OdometryStretch& odometry() const { return odometry_; }

@@ -276,7 +276,7 @@ Pose2 SubmapGraph::map_T_odom() const {
     return store_.size() > 0 ? store_[0].map_T_odom : Pose2{};
   }
   const Submap& last = submaps_.back();
-  return graph_.poses().back() * (is_behind_a_tear()
+  return graph_.poses().back() * (is_behind_unknown_motion()
                                       ? last.local_T_submap.inverse() * store_[store_.size() - 1].map_T_odom
                                       : last.odom_T_submap.inverse());
 }

@@ -48,7 +48,7 @@ class SubmapGraph {
 
   /// From the newest submap on; behind a motion that is not credible as the particle filter had it over that.
   [[nodiscard]] Pose2 map_T_odom() const;
-  [[nodiscard]] bool is_behind_a_tear() const { return builder_.is_behind_a_tear(); }
+  [[nodiscard]] bool is_behind_unknown_motion() const { return builder_.is_behind_unknown_motion(); }
   /// Grows when submaps are new or have moved.
   [[nodiscard]] std::int64_t revision() const { return revision_; }
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }

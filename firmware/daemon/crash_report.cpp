@@ -27,7 +27,7 @@ constexpr std::array kCrashes{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 constexpr std::size_t kLines = 32;
 constexpr std::size_t kLine_bytes = 256;
 
-/// A line that another thread may be writing while the handler reads it: torn at worst.
+/// A line that another thread may be writing while the handler reads it: of both at worst.
 class SharedLine {
  public:
   void set(std::string_view text) {

@@ -17,7 +17,7 @@ StageHealth health_of(const StageReport& stage) {
 }
 
 // Bad scans are a reason for no longer: after as many good ones, poses are as good as before. A process that was
-// stopped for a moment has some, torn or late, and must be OK within a second.
+// stopped for a moment has some, cut short or late, and must be OK within a second.
 constexpr std::int64_t kBadScanMemory_ns = 500'000'000;
 
 std::uint32_t when(bool holds, HealthReason reason) { return holds ? reason : 0U; }

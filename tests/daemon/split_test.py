@@ -212,12 +212,12 @@ class Runs:
         with open(self.path(name + "/latest/summary.json"), encoding="utf-8") as file:
             return json.load(file)
 
-    def whole(self, name, log):
+    def whole(self, name, log, graph=True):
         """A log at its pace through one process."""
-        config = self.config(name, lcm={"url": ""}, recorder={"path": self.path(name + "_recorded")})
+        config = self.config(name, lcm={"url": ""}, recorder={"path": self.path(name + "_recorded")}, graph={"enabled": graph})
         self.finish(name, self.daemon(name, config, "--replay", log, "--rate", RATE))
 
-    def split(self, name, log, dropped_share=0.0, forges=False):
+    def split(self, name, log, dropped_share=0.0, forges=False, graph=True):
         """The same through two processes, with a relay between them if some are to be dropped."""
         from_port = to_port = next(self.ports)
         relay = None
@@ -225,7 +225,8 @@ class Runs:
             to_port = from_port + 1
             relay = Relay(from_port, to_port, dropped_share, forges)
             relay.start()
-        after = self.daemon(name, self.config(name, lcm={"url": url(to_port)}), "--stages", "filter")
+        after = self.daemon(name, self.config(name, lcm={"url": url(to_port)}, graph={"enabled": graph}),
+                            "--stages", "filter")
         before = self.daemon(name + "_front", self.config(name + "_front", lcm={"url": url(from_port)}),
                              "--stages", "sensor,matcher", "--replay", log, "--rate", RATE)
         self.finish(name + "_front", before)
@@ -255,10 +256,17 @@ class SplitTest(unittest.TestCase):
         runs.begin("whole", runs.whole, runs.log)
         runs.begin("undivided", runs.whole, runs.interrupted)
         runs.begin("lossless", runs.split, runs.interrupted)
+        runs.begin("filter_whole", runs.whole, runs.interrupted, False)
+        runs.begin("filter_split", runs.split, runs.interrupted, 0.0, False, False)
         runs.begin("lossy", runs.split, runs.log, 0.05)
         if cls.player is not None:
             runs.begin("played", runs.played, cls.player, "undivided")
         runs.begin("forged", runs.split, runs.log, 0.0, True)
+
+    def assert_same(self, run, other, names):
+        for name in names:
+            with open(self.path(f"{run}/latest/{name}"), "rb") as one, open(self.path(f"{other}/latest/{name}"), "rb") as two:
+                self.assertEqual(one.read(), two.read(), name)
 
     def online(self, name):
         self.runs.of(name)
@@ -274,14 +282,18 @@ class SplitTest(unittest.TestCase):
         self.assertEqual(self.summary("lossless")["datagrams_lost"], 0)
         for name in ("undivided", "lossless"):
             self.assertTrue(self.says(name, "LOST"), name)
-        for name in ("trajectory.tum", "map.pgm"):
-            with open(self.path("undivided/latest/" + name), "rb") as one, open(self.path("lossless/latest/" + name), "rb") as two:
-                self.assertEqual(one.read(), two.read(), name)
+        self.assert_same("undivided", "lossless", ("trajectory.tum", "map.pgm"))
         one, two = self.online("undivided"), self.online("lossless")
         self.assertGreater(len(one), 300)
         self.assertEqual(one.keys(), two.keys())
         others = sum(math.dist(one[stamp], two[stamp]) > 0.01 for stamp in one)
         self.assertLess(others, 0.05 * len(one), "only when a correction of the pose graph goes in depends on its thread's time")
+
+    def test_two_halves_have_every_pose_of_the_filter_at_the_time(self):
+        for name in ("filter_whole", "filter_split"):
+            self.runs.of(name)
+            self.assertTrue(self.says(name, "LOST"), name)
+        self.assert_same("filter_whole", "filter_split", ("trajectory.tum", "trajectory_online.tum", "map.pgm"))
 
     def test_lost_datagrams_cost_little(self):
         whole, lossy = self.online("whole"), self.online("lossy")
@@ -311,9 +323,7 @@ class SplitTest(unittest.TestCase):
             self.skipTest("lcm-logplayer is missing (Debian's liblcm-bin)")
         self.runs.of("undivided")
         self.runs.of("played")
-        for name in ("trajectory.tum", "map.pgm"):
-            with open(self.path("undivided/latest/" + name), "rb") as one, open(self.path("played/latest/" + name), "rb") as two:
-                self.assertEqual(one.read(), two.read(), name)
+        self.assert_same("undivided", "played", ("trajectory.tum", "map.pgm"))
 
 
 if __name__ == "__main__":

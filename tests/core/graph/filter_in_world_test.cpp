@@ -44,6 +44,22 @@ TEST_F(FilterThatJumps, IsLeftToItselfOnceTheGraphAgrees) {
   EXPECT_LT(follow(local_T_odom(slipped)).distance_m(home), 1e-9) << "the world has the odometry's motion";
 }
 
+TEST_F(FilterThatJumps, IsFollowedByTheLastKnownPlaceWhereNoneIsNear) {
+  const Pose2 found = odom_T_scan() * Pose2{4.0, 2.0, 0.5};
+  static_cast<void>(follow(local_T_odom(found)));
+  const Pose2 unknown{200.0, 100.0, 1.0};
+  EXPECT_LT(follow(local_T_odom(unknown)).distance_m(unknown), 0.2);
+}
+
+TEST_F(FilterThatJumps, IsNotFollowedOnceALoopFromBeyondIsClosed) {
+  const Pose2 jump = local_T_odom(odom_T_scan() * Pose2{4.0, 2.0, 0.5});  // wrong: the robot is where it was
+  EXPECT_GT(follow(jump).distance_m(odom_T_scan()), 2.0);
+  run_.drive({{kRound[0].x_m, kRound[0].y_m}, {kRound[0].x_m + 2.0, kRound[0].y_m}});
+  EXPECT_GT(follow(jump).distance_m(odom_T_scan()), 1.0) << "nothing is closed yet";
+  run_.drive(kRound);
+  EXPECT_LT(follow(jump).distance_m(odom_T_scan()), 0.3);
+}
+
 TEST_F(FilterThatJumps, IsNotFollowedWhereItSlips) {
   Pose2 local_T_scan = odom_T_scan();
   for (int i = 0; i < 10; ++i) {
