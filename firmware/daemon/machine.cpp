@@ -260,7 +260,7 @@ DaemonResult Machine::result(bool is_last) {
     take_last(result);
   } else {
     const auto as_graph = publisher_.write_world(false, result.map);
-    result.map = as_graph ? std::move(result.map) : publisher_.map();
+    result.map = as_graph || !filter_ ? std::move(result.map) : publisher_.map();
     result.trajectory = publisher_.poses(as_graph.value_or(take_online));
     result.cloud = cloud_format_ != CloudFormat::kNone ? publisher_.cloud() : result.cloud;
   }

@@ -119,6 +119,11 @@ OccupancyMap MapStore::map() {
   const MapView known = view(0);
   OccupancyMap map;
   map.resolution_m = known.cell_size_m;
+  if (known.cells.empty()) {
+    map.width_cells = map.height_cells = 1;
+    map.occupancy_percent = {OccupancyMap::kUnknown};
+    return map;
+  }
   map.origin_x_m = known.lower_left_x_m;
   map.origin_y_m = known.lower_left_y_m;
   map.width_cells = known.columns;

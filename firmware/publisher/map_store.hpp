@@ -32,6 +32,7 @@ class MapStore {
 
   /// The part that is known; no cells while nothing is. Valid until the next call.
   [[nodiscard]] MapView view(std::int64_t stamp_ns);
+  /// The same as a map; one unknown cell while nothing is known.
   [[nodiscard]] OccupancyMap map();
   [[nodiscard]] MapSize size() const;
 

@@ -27,10 +27,14 @@ MapTileRecord tile_at(int column, int row) {
   return {.column = column, .row = row, .size_cells = kSide_cells, .cell_size_m = 0.1};
 }
 
-TEST(MapStore, IsEmptyUntilATileComes) {
+TEST(MapStore, KnowsNothingUntilATileComes) {
   MapStore store({.resolution_m = 0.1, .columns = 16, .rows = 16});
   EXPECT_EQ(store.view(0).columns, 0);
-  EXPECT_EQ(store.map().width_cells, 0);
+  const OccupancyMap map = store.map();
+  EXPECT_EQ(map.width_cells, 1) << "a save at the very start has its files too";
+  EXPECT_EQ(map.height_cells, 1);
+  ASSERT_EQ(map.occupancy_percent.size(), 1U);
+  EXPECT_EQ(map.occupancy_percent[0], OccupancyMap::kUnknown);
 }
 
 TEST(MapStore, ShowsThePartThatIsKnownWhereItLies) {
