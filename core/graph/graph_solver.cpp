@@ -71,6 +71,16 @@ double GraphSolver::add(const PoseGraph& graph, Constraint& constraint, bool in_
   return constraint.weight * squares;
 }
 
+double GraphSolver::add(const PoseGraph& graph, const PosePrior& prior) {
+  const Linearised at = linearise({}, graph.pose(prior.node), prior.map_T_node);
+  const Eigen::Matrix3d information = prior.covariance.inverse();
+  const double squares = at.error.dot(information * at.error);
+  const Eigen::Matrix3d weighted = scaled_weight(squares) * information;
+  add_block(prior.node, prior.node, at.by_to.transpose() * weighted * at.by_to);
+  gradient_.segment<3>(3 * prior.node) -= at.by_to.transpose() * weighted * at.error;
+  return scaled_weight(squares) * squares;
+}
+
 void GraphSolver::add_block(int row, int column, const Eigen::Matrix3d& block) {
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) {
@@ -92,7 +102,7 @@ double GraphSolver::move(PoseGraph& graph) const {
   return largest_m;
 }
 
-GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max) {
+GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max, const std::optional<PosePrior>& prior) {
   Report report;
   if (graph.size() < 2) {
     return report;
@@ -110,6 +120,9 @@ GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max) {
       if (constraint.weight > 0.0) {
         report.chi2 += add(graph, constraint, report.iterations < kIterations_new);
       }
+    }
+    if (prior) {
+      report.chi2 += add(graph, *prior);
     }
     add_block(0, 0, kFixed * Eigen::Matrix3d::Identity());
     hessian_.resize(3 * graph.size(), 3 * graph.size());

@@ -1,15 +1,23 @@
 #pragma once
 
 #include <Eigen/Sparse>
+#include <optional>
 #include <vector>
 
 #include "core/graph/pose_graph.hpp"
 
 namespace odoless {
 
+/// Where one node is by something else than the graph, which may be wrong.
+struct PosePrior {
+  int node = 0;
+  Pose2 map_T_node{};
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< over (x_m, y_m, yaw_rad) in the node's axes
+};
+
 /// Moves the nodes of a pose graph to where its constraints agree best: Gauss-Newton on a sparse Cholesky factor
-/// [grisetti2010tutorial], loop closures weighted by dynamic covariance scaling [agarwal2013dcs], new ones in full for
-/// the first iterations, so that a large loop can close. Node 0 stays.
+/// [grisetti2010tutorial], loop closures and a prior weighted by dynamic covariance scaling [agarwal2013dcs], new loop
+/// closures in full for the first iterations, so that a large loop can close. Node 0 stays.
 ///
 /// Thread: owned by one thread. Not for real-time threads: it allocates.
 class GraphSolver {
@@ -26,13 +34,14 @@ class GraphSolver {
   ~GraphSolver() = default;
 
   /// @return  Of the last iteration. Sets the weights of loop closures.
-  Report solve(PoseGraph& graph, int iterations_max);
+  Report solve(PoseGraph& graph, int iterations_max, const std::optional<PosePrior>& prior = {});
 
  private:
   using Matrix = Eigen::SparseMatrix<double>;
 
   /// Adds a constraint's part to the normal equations. @return  Its weighted squared error.
   double add(const PoseGraph& graph, Constraint& constraint, bool in_full);
+  double add(const PoseGraph& graph, const PosePrior& prior);
   /// Adds a block of the Hessian's lower triangle.
   void add_block(int row, int column, const Eigen::Matrix3d& block);
   /// Largest step of a node, in metres.

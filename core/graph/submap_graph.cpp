@@ -32,6 +32,8 @@ constexpr double kAgreement_min = 0.85;
 constexpr double kGate_chi2 = 16.0;
 constexpr double kUnmistakable_m = 1.0;  // three deviations within which no other place can be meant
 constexpr double kTakenOut_weight = 0.2;
+constexpr double kFilter_m = 1.0;  // deviation of the particle filter's pose
+constexpr double kFilter_rad = 0.06;
 constexpr int kIterations = 25;
 constexpr int kIterations_again = 15;
 
@@ -62,7 +64,9 @@ bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
   return phase_ != Phase::kIdle;
 }
 
-// The filter weighs the hypotheses of a motion that is not credible: there its word counts.
+// The filter weighs the hypotheses of a motion that is not credible: there its word counts. Elsewhere it tells where
+// the robot is until a loop is closed, for it drifts less than a chain of motions; of its newest pose alone, for the
+// errors of its poses are those of one map and would be counted again and again.
 void SubmapGraph::add_submap() {
   while (work()) {
   }
@@ -77,6 +81,12 @@ void SubmapGraph::add_submap() {
     const int node = graph_.add_node(graph_.pose(last) * last_T_submap);
     graph_.add(
         {.from = last, .to = node, .from_T_to = last_T_submap, .covariance = odometry.constraint_covariance(limits_)});
+    filter_ = {
+        .node = node,
+        .map_T_node = graph_.pose(0) * submaps_.front().local_T_submap.inverse() * submap.local_T_submap,
+        .covariance =
+            Eigen::Vector3d(kFilter_m * kFilter_m, kFilter_m * kFilter_m, kFilter_rad * kFilter_rad).asDiagonal()};
+    is_to_solve_ = true;
     matcher_.forget(last);
     matcher_.forget(last - 1);
   }
@@ -91,6 +101,7 @@ void SubmapGraph::begin_work(int query) {
   candidates_.clear();
   next_candidate_ = 0;
   newest_query_ = query;
+  phase_ = Phase::kMatch;
   if (query < 1) {
     return;
   }
@@ -100,7 +111,6 @@ void SubmapGraph::begin_work(int query) {
     plan(revisited_, kRevisited_candidates, kRevisited_sd_m);
     ++revisited_;
   }
-  phase_ = Phase::kMatch;
 }
 
 void SubmapGraph::plan(int query, int most, double sd_max_m) {
@@ -176,7 +186,7 @@ bool SubmapGraph::work() {
 
 void SubmapGraph::try_next() {
   if (next_candidate_ == candidates_.size()) {
-    phase_ = has_held_back_ ? Phase::kVerify : has_accepted_ ? Phase::kSolve : Phase::kIdle;
+    phase_ = has_held_back_ ? Phase::kVerify : is_to_solve_ ? Phase::kSolve : Phase::kIdle;
     return;
   }
   const Candidate& candidate = candidates_[next_candidate_++];
@@ -221,7 +231,7 @@ void SubmapGraph::accept(const LoopCandidate& candidate, bool is_new) {
               .is_loop = true,
               .is_new = is_new});
   ++counts_.accepted;
-  has_accepted_ = true;
+  is_to_solve_ = true;
 }
 
 void SubmapGraph::verify() {
@@ -229,11 +239,11 @@ void SubmapGraph::verify() {
     accept(each, true);
   }
   has_held_back_ = false;
-  phase_ = has_accepted_ ? Phase::kSolve : Phase::kIdle;
+  phase_ = is_to_solve_ ? Phase::kSolve : Phase::kIdle;
 }
 
 void SubmapGraph::solve() {
-  counts_.solve_chi2 = solver_.solve(graph_, kIterations).chi2;
+  counts_.solve_chi2 = solver_.solve(graph_, kIterations, filter_).chi2;
   bool again = false;
   for (Constraint& constraint : graph_.constraints()) {
     if (constraint.is_new && constraint.weight < kTakenOut_weight) {
@@ -244,9 +254,9 @@ void SubmapGraph::solve() {
     constraint.is_new = false;
   }
   if (again) {
-    counts_.solve_chi2 = solver_.solve(graph_, kIterations_again).chi2;
+    counts_.solve_chi2 = solver_.solve(graph_, kIterations_again, filter_).chi2;
   }
-  has_accepted_ = false;
+  is_to_solve_ = false;
   ++revision_;
   phase_ = Phase::kIdle;
 }
@@ -260,7 +270,7 @@ void SubmapGraph::finish() {
   begin_work(graph_.size() - 1);
   while (work()) {
   }
-  static_cast<void>(solver_.solve(graph_, kIterations));
+  static_cast<void>(solver_.solve(graph_, kIterations));  // of the map itself, which the filter's drift is not part of
   ++revision_;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,7 +22,8 @@ namespace odoless {
 ///
 /// When a submap ends, the one before it, whose neighbours are then complete, is matched with older ones that may
 /// overlap it by what the odometry may have drifted. A match is taken at once where it cannot be another place, else
-/// when others agree with it. Then the graph is solved.
+/// when others agree with it. After every submap the graph is solved, with the newest one drawn to where the particle
+/// filter has it.
 ///
 /// Frames: map, which is where the first keyframe has it (REP 105). odom never jumps; map_T_odom does, at a correction.
 /// Thread: owned by one thread. Not for real-time threads. The same scans, motions and random seed give the same bytes.
@@ -106,14 +108,15 @@ class SubmapGraph {
   SubmapMatcher matcher_;
   LoopVerifier verifier_;
   GraphSolver solver_;
-  std::vector<Attempts> attempts_;  ///< per submap
+  std::optional<PosePrior> filter_;  ///< where the particle filter has the newest submap
+  std::vector<Attempts> attempts_;   ///< per submap
   PoseGraph::Projection projection_;
   std::vector<Candidate> candidates_;
   std::size_t next_candidate_ = 0;
   int newest_query_ = -1;
   int revisited_ = 0;
   bool has_held_back_ = false;
-  bool has_accepted_ = false;
+  bool is_to_solve_ = false;
   Phase phase_ = Phase::kIdle;
   Counts counts_;
   std::int64_t revision_ = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -108,8 +109,10 @@ class Drive {
 
   SubmapGraph graph{GraphParams{}, RobotLimits{}, ScanParams{}, 1};
   Feed feed{GraphParams{}};
-  std::vector<Pose2> poses;       ///< true
-  std::vector<StampedPose> odom;  ///< odom_T_scan
+  std::vector<Pose2> poses;         ///< true
+  std::vector<StampedPose> odom;    ///< odom_T_scan
+  double yaw_variance_rad2 = 1e-5;  ///< of a motion, as the odometry claims
+  std::optional<Pose2> filter;      ///< the particle filter is off by this; none: it has what the odometry has
 
  private:
   void see(const Pose2& world_T_scan) {
@@ -121,11 +124,14 @@ class Drive {
       const double length_m = way.distance_m({});
       const Pose2 drifted = way * Pose2{length_m * drift_per_m_.x_m, 0.0, length_m * drift_per_m_.yaw_rad};
       motion = Motion::between(stamp_ns - kPeriod_ns, stamp_ns, drifted);
-      motion.set_error(ErrorProcess::independent(drifted, Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal()));
+      motion.set_error(ErrorProcess::independent(drifted, Eigen::Vector3d(1e-4, 1e-4, yaw_variance_rad2).asDiagonal()));
       motion.odom_T_current = odom.back().map_T_scan * drifted;
     }
     poses.push_back(world_T_scan);
     odom.push_back({stamp_ns, motion.odom_T_current});
+    if (filter) {
+      feed.local_T_odom = *filter * poses.front().inverse() * world_T_scan * motion.odom_T_current.inverse();
+    }
     const ScanFrame scan =
         sweep(scene_, {.beams = 181, .angle_step_rad = 1.5 * std::numbers::pi / 180}, world_T_scan, rng_, stamp_ns);
     feed.add(scan, motion, graph);

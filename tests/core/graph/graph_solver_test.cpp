@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "core/base/rng.hpp"
 
@@ -62,10 +63,10 @@ struct Ring {
 };
 
 /// Gauss-Newton with central differences and a dense matrix; every constraint counts in full. Node 0 stays.
-void solve_plainly(PoseGraph& graph) {
+void solve_plainly(PoseGraph& graph, const std::optional<PosePrior>& prior) {
   constexpr double kStep = 1e-6;
   const int size = 3 * graph.size();
-  const auto rows = 3 * static_cast<int>(graph.constraints().size());
+  const auto rows = 3 * static_cast<int>(graph.constraints().size() + (prior ? 1 : 0));
   const auto errors = [&] {
     Eigen::VectorXd out(rows);
     int row = 0;
@@ -73,6 +74,10 @@ void solve_plainly(PoseGraph& graph) {
       const Eigen::Matrix3d root = each.covariance.inverse().llt().matrixU();
       out.segment<3>(row) = root * error_between(each.from_T_to, graph.between(each.from, each.to));
       row += 3;
+    }
+    if (prior) {
+      const Eigen::Matrix3d root = prior->covariance.inverse().llt().matrixU();
+      out.segment<3>(row) = root * error_between(prior->map_T_node, graph.pose(prior->node));
     }
     return out;
   };
@@ -96,21 +101,27 @@ void solve_plainly(PoseGraph& graph) {
   }
 }
 
-TEST(GraphSolver, GivesThePosesOfAPlainSolver) {
+void expect_as_plain(const std::optional<PosePrior>& prior) {
   Ring ring(24, 0.05, 0.02, 1);
   ring.close(0, 23);
   ring.close(2, 20);
   Ring plain = ring;
   GraphSolver solver;
-  static_cast<void>(solver.solve(ring.graph, 50));
+  static_cast<void>(solver.solve(ring.graph, 50, prior));
   for (const Constraint& each : ring.graph.constraints()) {
     ASSERT_EQ(each.weight, 1.0);  // else the plain one solves another problem
   }
-  solve_plainly(plain.graph);
+  solve_plainly(plain.graph, prior);
   for (int i = 0; i < ring.graph.size(); ++i) {
     EXPECT_LT(ring.graph.pose(i).distance_m(plain.graph.pose(i)), 2e-3) << "node " << i;
     EXPECT_NEAR(wrap_angle(ring.graph.pose(i).yaw_rad - plain.graph.pose(i).yaw_rad), 0.0, 2e-4) << "node " << i;
   }
+}
+
+TEST(GraphSolver, GivesThePosesOfAPlainSolver) {
+  expect_as_plain({});
+  const Pose2 map_T_node = Ring(24, 0.05, 0.02, 1).truth[12] * Pose2{0.1, -0.1, 0.03};
+  expect_as_plain(PosePrior{.node = 12, .map_T_node = map_T_node, .covariance = diagonal(0.1, 0.05)});
 }
 
 TEST(GraphSolver, ClosesALoopThatIsOpenByMetres) {

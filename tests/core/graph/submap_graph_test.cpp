@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <optional>
 #include <vector>
 
 #include "tests/core/graph/graph_drive.hpp"
@@ -41,6 +42,38 @@ TEST(SubmapGraph, ClosesALoopThatTheOdometryLeavesOpen) {
   // and the newest pose is right at the time: that is what map_T_odom is for
   const Pose2 online = run.graph.map_T_odom() * run.odom.back().map_T_scan;
   EXPECT_LT(online.distance_m(run.poses.front().inverse() * run.poses.back()), 0.3);
+}
+
+/// Three sides of the ring: no loop is closed.
+struct OpenDrive : Drive {
+  OpenDrive() : Drive(ring(18.0, 10.0), {0.01, 0.0, 0.0025}) {
+    yaw_variance_rad2 = 9e-5;  // over 220 motions as much as the drift
+  }
+
+  void finish_with(std::optional<Pose2> filter_off) {
+    drive({kRound[0], kRound[1]});
+    filter = filter_off;
+    drive({kRound[1], kRound[2], kRound[3]});
+  }
+  [[nodiscard]] Pose2 online() const { return graph.map_T_odom() * odom.back().map_T_scan; }
+  [[nodiscard]] Pose2 truth() const { return poses.front().inverse() * poses.back(); }
+};
+
+TEST(SubmapGraph, FollowsTheFilterUntilALoopIsClosed) {
+  OpenDrive run;
+  run.finish_with(Pose2{});
+  const double odometry_m = run.odom.back().map_T_scan.distance_m(run.truth());
+  EXPECT_EQ(run.graph.counts().accepted, 0);
+  EXPECT_GT(odometry_m, 1.0);
+  EXPECT_LT(run.online().distance_m(run.truth()), 0.5 * odometry_m);
+}
+
+TEST(SubmapGraph, IsNotDrawnAwayByAFilterThatIsElsewhere) {
+  OpenDrive alone;
+  alone.finish_with({});
+  OpenDrive misled;
+  misled.finish_with(Pose2{20.0, -5.0, 1.0});
+  EXPECT_LT(misled.online().distance_m(alone.online()), 0.5);
 }
 
 TEST(SubmapGraph, ClosesNoLoopInAHotelCorridor) {
