@@ -3,6 +3,8 @@
 #include <bit>
 #include <cmath>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 namespace {
 constexpr std::uint64_t kMultiplier = 6364136223846793005ULL;
@@ -29,7 +31,7 @@ double Rng::normal() {
     const double v = uniform(-1.0, 1.0);
     s = u * u + v * v;
   } while (s >= 1.0 || s == 0.0);
-  return u * std::sqrt(-2.0 * std::log(s) / s);
+  return u * std::sqrt(-2.0 * math::log(s) / s);
 }
 
 }  // namespace odoless

@@ -4,13 +4,13 @@
 
 #include "core/base/check.hpp"
 #include "core/geometry/interpolated.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
 
 Eigen::Vector3d turned_about_y(const Eigen::Vector3d& p, double angle_rad) {
-  const double c = std::cos(angle_rad);
-  const double s = std::sin(angle_rad);
+  const auto [s, c] = math::sincos(angle_rad);
   return {c * p.x() + s * p.z(), p.y(), c * p.z() - s * p.x()};
 }
 

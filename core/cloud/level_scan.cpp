@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 
 LevelScan::LevelScan(const TiltMount& mount, const LevelParams& params, int beams_max)
@@ -14,14 +16,14 @@ LevelScan::LevelScan(const TiltMount& mount, const LevelParams& params, int beam
 void LevelScan::enter(const BeamPoint& point, const ScanFrame& scan) {
   constexpr double kTurnRad = 2.0 * std::numbers::pi;
   const double step_rad = std::abs(scan.angle_step_rad());
-  const double bearing_rad = std::atan2(point.y_m, point.x_m);
+  const double bearing_rad = math::atan2(point.y_m, point.x_m);
   const double from_first_rad = std::copysign(1.0, scan.angle_step_rad()) * (bearing_rad - scan.angle_rad(0));
   const double turn_rad = from_first_rad + step_rad / 2.0;
   const double positive_rad = turn_rad - kTurnRad * std::floor(turn_rad / kTurnRad);
   const double beam = std::floor(positive_rad / step_rad);
   if (beam < scan.size()) {
     float& range_m = ranges_m_[static_cast<std::size_t>(beam)];
-    const float found_m = std::hypot(point.x_m, point.y_m);
+    const auto found_m = static_cast<float>(math::hypot(point.x_m, point.y_m));
     range_m = range_m > 0.0F ? std::min(range_m, found_m) : found_m;
   }
 }

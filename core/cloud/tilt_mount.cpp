@@ -1,8 +1,7 @@
 #include "core/cloud/tilt_mount.hpp"
 
-#include <cmath>
-
 #include "core/base/check.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 
@@ -10,7 +9,7 @@ TiltMount::TiltMount(const TiltMountParams& params)
     : robot_T_tilt_(params.robot_T_tilt.pose()), tilt_T_laser_(params.tilt_T_laser.pose()) {
   ODOLESS_CHECK(parameters_in_range(params));
   const Pose3 level = robot_T_laser(0.0);
-  robot_T_scan_ = {level.origin_m.x(), level.origin_m.y(), std::atan2(level.rotation(1, 0), level.rotation(0, 0))};
+  robot_T_scan_ = {level.origin_m.x(), level.origin_m.y(), math::atan2(level.rotation(1, 0), level.rotation(0, 0))};
   level_height_m_ = level.origin_m.z();
 }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 
 struct Point2 {
@@ -24,17 +26,15 @@ struct Pose2 {
   double yaw_rad = 0.0;
 
   [[nodiscard]] Pose2 inverse() const {
-    const double c = std::cos(yaw_rad);
-    const double s = std::sin(yaw_rad);
+    const auto [s, c] = math::sincos(yaw_rad);
     return {-c * x_m - s * y_m, s * x_m - c * y_m, wrap_angle(-yaw_rad)};
   }
 
-  [[nodiscard]] double distance_m(const Pose2& other) const { return std::hypot(x_m - other.x_m, y_m - other.y_m); }
+  [[nodiscard]] double distance_m(const Pose2& other) const { return math::hypot(x_m - other.x_m, y_m - other.y_m); }
 };
 
 [[nodiscard]] inline Point2 operator*(const Pose2& a_T_b, const Point2& p_b) {
-  const double c = std::cos(a_T_b.yaw_rad);
-  const double s = std::sin(a_T_b.yaw_rad);
+  const auto [s, c] = math::sincos(a_T_b.yaw_rad);
   return {a_T_b.x_m + c * p_b.x_m - s * p_b.y_m, a_T_b.y_m + s * p_b.x_m + c * p_b.y_m};
 }
 

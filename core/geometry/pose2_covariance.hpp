@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/geometry/pose2.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 
@@ -11,8 +12,7 @@ namespace odoless {
 
 /// Takes errors in axes that are turned by `yaw_rad` to those that they are turned against.
 [[nodiscard]] inline Eigen::Matrix3d turn_matrix(double yaw_rad) {
-  const double c = std::cos(yaw_rad);
-  const double s = std::sin(yaw_rad);
+  const auto [s, c] = math::sincos(yaw_rad);
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() << c, -s, s, c;
   return turn;
@@ -52,9 +52,9 @@ namespace odoless {
 /// deviation alone: the others are mostly much smaller.
 [[nodiscard]] inline double probability_within(const Eigen::Matrix3d& covariance, double distance_m, double angle_rad) {
   const double middle_m2 = 0.5 * (covariance(0, 0) + covariance(1, 1));
-  const double half_m2 = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+  const double half_m2 = math::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
   const auto inside = [](double bound, double variance) {
-    return variance > 0.0 ? std::erf(bound / std::sqrt(2.0 * variance)) : 1.0;
+    return variance > 0.0 ? math::erf(bound / std::sqrt(2.0 * variance)) : 1.0;
   };
   return inside(distance_m, middle_m2 + half_m2) * inside(angle_rad, covariance(2, 2));
 }

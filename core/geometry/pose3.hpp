@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "core/geometry/pose2.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 
@@ -20,11 +21,14 @@ struct Pose3 {
 
   /// Turned by `roll` about x, then by `pitch` about y, then by `yaw` about z, all of the fixed axes (REP-103).
   [[nodiscard]] static Pose3 of(const Point3& origin, double roll_rad, double pitch_rad, double yaw_rad) {
-    using Axis = Eigen::Vector3d;
-    const Eigen::AngleAxisd roll(roll_rad, Axis::UnitX());
-    const Eigen::AngleAxisd pitch(pitch_rad, Axis::UnitY());
-    const Eigen::AngleAxisd yaw(yaw_rad, Axis::UnitZ());
-    return {(yaw * pitch * roll).toRotationMatrix(), {origin.x_m, origin.y_m, origin.z_m}};
+    const auto [sr, cr] = math::sincos(roll_rad);
+    const auto [sp, cp] = math::sincos(pitch_rad);
+    const auto [sy, cy] = math::sincos(yaw_rad);
+    Eigen::Matrix3d turn;
+    turn << cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
+        sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,      //
+        -sp, cp * sr, cp * cr;
+    return {turn, {origin.x_m, origin.y_m, origin.z_m}};
   }
 
   /// A pose in the plane z = 0.

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "core/base/check.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -49,7 +50,7 @@ void encode(const ScanFrame& scan, int beams_max, Keyframe& keyframe, std::span<
   std::fill(codes.begin(), codes.end(), kInvalid);
   for (int i = 0; i < scan.size(); i += stride) {
     const Point2 direction = scan.direction(i);
-    const double off_rad = wrap_angle(std::atan2(direction.y_m, direction.x_m) - scan.angle_rad(i));
+    const double off_rad = wrap_angle(math::atan2(direction.y_m, direction.x_m) - scan.angle_rad(i));
     const int at = i / stride + static_cast<int>(std::lround(off_rad / keyframe.angle_step_rad));
     if (at >= 0 && at < keyframe.beams) {
       BeamCode& code = codes[static_cast<std::size_t>(at)];

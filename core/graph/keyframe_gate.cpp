@@ -2,13 +2,15 @@
 
 #include <cmath>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 
 bool KeyframeGate::add(const Motion& motion) {
   since_last_ = since_last_.then(OdometryStretch::of(motion));
   odom_T_scan_ = motion.odom_T_current;
   const Pose2& way = since_last_.start_T_end;
-  return !has_begun_ || since_last_.is_torn() || std::hypot(way.x_m, way.y_m) >= params_.keyframe_distance_m ||
+  return !has_begun_ || since_last_.is_torn() || math::hypot(way.x_m, way.y_m) >= params_.keyframe_distance_m ||
          std::abs(way.yaw_rad) >= params_.keyframe_rotation_rad;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 namespace {
 
@@ -44,8 +46,7 @@ bool MapPiece::add(const KeyframeStore& store, const PlacedKeyframe& placed, con
     return false;
   }
   store.load(placed.keyframe, 1, frame);
-  const double cos = std::cos(pose.yaw_rad);
-  const double sin = std::sin(pose.yaw_rad);
+  const auto [sin, cos] = math::sincos(pose.yaw_rad);
   for (int i = 0; i < frame.size(); ++i) {
     if (frame.is_return(i)) {
       const Point2 direction = frame.direction(i);

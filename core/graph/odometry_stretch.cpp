@@ -7,6 +7,7 @@
 
 #include "core/geometry/pose2_covariance.hpp"
 #include "core/graph/pose_graph.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -38,7 +39,7 @@ OdometryStretch OdometryStretch::of(const Motion& motion) {
   OdometryStretch out;
   const Pose2& step = motion.previous_T_current;
   out.start_T_end = step;
-  out.distance_m = std::hypot(step.x_m, step.y_m);
+  out.distance_m = math::hypot(step.x_m, step.y_m);
   out.rotation_rad = std::abs(step.yaw_rad);
   if (out.distance_m + 0.3 * out.rotation_rad > kStanding_m) {
     const Eigen::Matrix3d covariance = motion.error().motion_covariance(step);

@@ -1,7 +1,8 @@
 #include "core/graph/submap_builder.hpp"
 
-#include <cmath>
 #include <cstddef>
+
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 
@@ -32,7 +33,7 @@ bool SubmapBuilder::pass(const OdometryStretch& step, KeyframeStore& store) {
   const bool has_ended = (step.is_torn() || is_full()) && finish(store);
   since_stored_ = since_stored_.then(step);
   travel_m_ += step.distance_m;
-  slip_m_ += std::hypot(step.slip_m.x_m, step.slip_m.y_m);
+  slip_m_ += math::hypot(step.slip_m.x_m, step.slip_m.y_m);
   return has_ended;
 }
 

@@ -9,6 +9,7 @@
 #include "core/geometry/pose2_covariance.hpp"
 #include "core/match/peak_covariance.hpp"
 #include "core/match/refine.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -84,7 +85,7 @@ void SubmapMatcher::set_query(const SubmapWorld& world, int query) {
       constexpr std::int64_t kRow = 1 << 20;
       const auto voxel = static_cast<std::int64_t>(std::floor(p.x_m / kVoxel_m)) * kRow +
                          static_cast<std::int64_t>(std::floor(p.y_m / kVoxel_m));
-      if (std::hypot(p.x_m, p.y_m) <= params_.reference.fine.extent_m && voxels.insert(voxel).second) {
+      if (math::hypot(p.x_m, p.y_m) <= params_.reference.fine.extent_m && voxels.insert(voxel).second) {
         kept.push_back(p);
       }
     }

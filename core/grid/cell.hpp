@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 
 /// What the beams said of one cell: the published opacity model of DP-SLAM [eliazar2004dpslam2], the way that beams
@@ -49,7 +51,7 @@ class Cell {
 
   /// Probability in percent that a beam stops on a cell's width of way. Not for unknown cells.
   [[nodiscard]] int occupancy_percent(float rho_min_parts) const {
-    return static_cast<int>(std::lround(-100.0 * std::expm1(-static_cast<double>(stops_per_cell(rho_min_parts)))));
+    return static_cast<int>(std::lround(-100.0 * math::expm1(-static_cast<double>(stops_per_cell(rho_min_parts)))));
   }
 
   friend bool operator==(const Cell&, const Cell&) = default;

@@ -2,9 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 
 #include "core/match/peak_covariance.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -129,7 +129,7 @@ void NdtMatcher::weigh(const Peaks& peaks, MatchResult& result) const {
   double sum = 0.0;
   for (const ScoredPoint& peak : peaks.all()) {
     MatchPeak& out = result.peaks[static_cast<std::size_t>(result.peak_count++)];
-    out = {to_pose(peak.point), peak.score, std::exp(facts * (peak.score - peaks.best().score))};
+    out = {to_pose(peak.point), peak.score, math::exp(facts * (peak.score - peaks.best().score))};
     sum += out.weight;
   }
   for (MatchPeak& peak : result.peaks) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 namespace {
 
@@ -36,7 +38,7 @@ void OrientationHistogram::add(const ScanFrame& scan, double yaw_rad, double spa
       continue;
     }
     if (has_last && length_m2 < gap_m2) {
-      bins_[bin_of(std::atan2(dy, dx) + yaw_rad)] += static_cast<float>(std::sqrt(length_m2));
+      bins_[bin_of(math::atan2(dy, dx) + yaw_rad)] += static_cast<float>(std::sqrt(length_m2));
     }
     last = p;
     has_last = true;

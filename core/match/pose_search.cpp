@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 namespace {
 
@@ -13,7 +15,7 @@ constexpr int kOther_peaks = 2;  // sought besides the best one and that of the 
 
 // Of Cauchy's law cut to +-half, whose tails reach all of the box: half of the offsets are within a deviation.
 double cauchy_offset(double fraction, double sd, double half) {
-  return sd * std::tan((2.0 * fraction - 1.0) * std::atan(half / sd));
+  return sd * math::tan((2.0 * fraction - 1.0) * math::atan(half / sd));
 }
 
 SearchPoint expected_at(const MotionPrior& prior, const SearchBox& box, const SearchPoint& fractions) {
@@ -25,7 +27,7 @@ SearchPoint expected_at(const MotionPrior& prior, const SearchBox& box, const Se
 }  // namespace
 
 bool clearly_apart(const SearchPoint& a, const SearchPoint& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1]) > kApart_m || std::abs(wrap_angle(a[2] - b[2])) > kApart_rad;
+  return math::hypot(a[0] - b[0], a[1] - b[1]) > kApart_m || std::abs(wrap_angle(a[2] - b[2])) > kApart_rad;
 }
 
 bool Peaks::is_apart(const SearchPoint& pose) const {
@@ -59,7 +61,7 @@ double MotionPrior::penalty(const SearchPoint& pose) const {
   const double y = (pose[1] - reference_T_scan.y_m) / sd_m;
   const double relative_yaw = wrap_angle(pose[2] - reference_T_scan.yaw_rad) / sd_rad;
   const double squares = x * x + y * y + relative_yaw * relative_yaw;
-  return squares > 1.0 ? weight * std::log(squares) : 0.0;
+  return squares > 1.0 ? weight * math::log(squares) : 0.0;
 }
 
 // Mean score per point of a pose in the reference's axes, so that translation and rotation are independent.

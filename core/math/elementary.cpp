@@ -342,14 +342,14 @@ double log1p(double x) {
 }
 
 double erf(double x) {
-  const double size = std::abs(x);
-  if (size < 1.0) {
+  const double absolute = std::abs(x);
+  if (absolute < 1.0) {
     return x + x * polynomial(kErfInner, x * x);
   }
   if (std::isnan(x)) {
     return x;
   }
-  const double left = size < 6.0 ? exp(-size * size) * polynomial(kErfOuter, 3.0 / (3.0 + size)) : 0.0;
+  const double left = absolute < 6.0 ? exp(-absolute * absolute) * polynomial(kErfOuter, 3.0 / (3.0 + absolute)) : 0.0;
   return std::copysign(1.0 - left, x);
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/geometry/pose2_covariance.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -42,7 +43,7 @@ Integer saturated_sum(Integer a, Integer b) {
   return overflows ? (a > 0 ? std::numeric_limits<Integer>::max() : std::numeric_limits<Integer>::min()) : sum;
 }
 
-double log_sum(double a, double b) { return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b))); }
+double log_sum(double a, double b) { return std::max(a, b) + math::log1p(math::exp(-std::abs(a - b))); }
 
 bool is_same(const Pose2& a, const Pose2& b) {
   return a.distance_m(b) < kSame_m && std::abs(wrap_angle(a.yaw_rad - b.yaw_rad)) < kSame_rad;
@@ -119,7 +120,7 @@ Eigen::Matrix3d Motion::covariance() const {
 double Motion::weight() const {
   double sum = 1.0;
   for (const MotionHypothesis& other : others()) {
-    sum += std::exp(other.log_weight - log_weight);
+    sum += math::exp(other.log_weight - log_weight);
   }
   return 1.0 / sum;
 }
@@ -132,7 +133,7 @@ const Pose2& Motion::at_share(double share) const {
     if (share >= sum) {
       chosen = &other;
     }
-    sum += own * std::exp(other.log_weight - log_weight);
+    sum += own * math::exp(other.log_weight - log_weight);
   }
   return chosen == nullptr ? previous_T_current : chosen->previous_T_current;
 }
@@ -145,7 +146,7 @@ Motion Motion::then(const Motion& next) const {
   sum.from_stamp_ns = from_stamp_ns;
   sum.to_stamp_ns = next.to_stamp_ns;
   sum.duration_ns = saturated_sum(duration_ns, next.duration_ns);
-  sum.duration_sd_s = std::hypot(duration_sd_s, next.duration_sd_s);
+  sum.duration_sd_s = math::hypot(duration_sd_s, next.duration_sd_s);
   sum.previous_T_current = previous_T_current * next.previous_T_current;
   sum.odom_T_current = next.odom_T_current;
   sum.set_error(error().then(next.error()));

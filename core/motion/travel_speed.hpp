@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
+#include "core/math/elementary.hpp"
 #include "core/motion/motion.hpp"
 
 namespace odoless {
@@ -27,7 +27,7 @@ class TravelSpeed {
     const double time_s = duration_s(motion);
     if (time_s > 0.0) {
       last_[0] = last_[1];
-      last_[1] = {std::hypot(motion.previous_T_current.x_m, motion.previous_T_current.y_m), time_s};
+      last_[1] = {math::hypot(motion.previous_T_current.x_m, motion.previous_T_current.y_m), time_s};
     }
   }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 namespace {
 
@@ -26,7 +28,7 @@ Eigen::Matrix3d across_the_wall(const NdtInformation& b, double rx, double ry) {
 NdtInformation mended_information(const NdtCell& cell, double sigma_min_m, double sigma_ratio_min) {
   const double mid = 0.5 * (cell.cov_xx_m2 + cell.cov_yy_m2);
   const double half_difference = 0.5 * (cell.cov_xx_m2 - cell.cov_yy_m2);
-  const double radius_m2 = std::hypot(half_difference, cell.cov_xy_m2);
+  const double radius_m2 = math::hypot(half_difference, cell.cov_xy_m2);
   const double floor_m2 = sigma_min_m * sigma_min_m;
   const double large_m2 = std::max(mid + radius_m2, floor_m2);
   const double small_m2 = std::max({mid - radius_m2, floor_m2, sigma_ratio_min * sigma_ratio_min * large_m2});
@@ -164,8 +166,7 @@ void Ndt::finish(int touched) {
 }
 
 double Ndt::score(const PointSet& points, const Pose2& reference_T_points) const {
-  const double c = std::cos(reference_T_points.yaw_rad);
-  const double s = std::sin(reference_T_points.yaw_rad);
+  const auto [s, c] = math::sincos(reference_T_points.yaw_rad);
   double sum = 0.0;
   for (int i = 0; i < points.size(); ++i) {
     const Point2 p = points[i];
@@ -181,15 +182,14 @@ double Ndt::score(const PointSet& points, const Pose2& reference_T_points) const
       const NdtInformation& b = information_[static_cast<std::size_t>(cell)];
       const double dx = x - mean.x_m;
       const double dy = y - mean.y_m;
-      sum += std::exp(-0.5 * (b.xx * dx * dx + 2.0 * b.xy * dx * dy + b.yy * dy * dy));
+      sum += math::exp(-0.5 * (b.xx * dx * dx + 2.0 * b.xy * dx * dy + b.yy * dy * dy));
     }
   }
   return sum / kGrids;
 }
 
 NdtDerivatives Ndt::derivatives(const PointSet& points, const Pose2& reference_T_points) const {
-  const double c = std::cos(reference_T_points.yaw_rad);
-  const double s = std::sin(reference_T_points.yaw_rad);
+  const auto [s, c] = math::sincos(reference_T_points.yaw_rad);
   NdtDerivatives out;
   for (int i = 0; i < points.size(); ++i) {
     const Point2 p = points[i];
@@ -209,7 +209,7 @@ NdtDerivatives Ndt::derivatives(const PointSet& points, const Pose2& reference_T
       const double dy = y - mean.y_m;
       const double bx = b.xx * dx + b.xy * dy;  // S^-1 d
       const double by = b.xy * dx + b.yy * dy;
-      const double weight = std::exp(-0.5 * (bx * dx + by * dy)) / kGrids;
+      const double weight = math::exp(-0.5 * (bx * dx + by * dy)) / kGrids;
       // d moves by (1, 0, -ry) and (0, 1, rx) with (x, y, yaw).
       const Eigen::Vector3d v(bx, by, -bx * ry + by * rx);  // J^T S^-1 d
       const double jx = -b.xx * ry + b.xy * rx;

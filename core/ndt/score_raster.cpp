@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/base/hot.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -228,10 +229,10 @@ void ScoreRaster::mark_half_wedge(const HalfWedge& wedge, const Point2& apex, do
   const auto [start_rad, end_rad, radius_m] = wedge;
   const bool has_right_edge = start_rad > 1e-6;  // else the wedge begins along the row
   const bool has_left_edge = end_rad < kPi - 1e-6;
-  const double cot_start = has_right_edge ? std::cos(start_rad) / std::sin(start_rad) : 0.0;
-  const double cot_end = has_left_edge ? std::cos(end_rad) / std::sin(end_rad) : 0.0;
+  const double cot_start = has_right_edge ? math::cos(start_rad) / math::sin(start_rad) : 0.0;
+  const double cot_end = has_left_edge ? math::cos(end_rad) / math::sin(end_rad) : 0.0;
   const bool has_top = start_rad < 0.5 * kPi && end_rad > 0.5 * kPi;
-  const double height_m = radius_m * (has_top ? 1.0 : std::max(std::sin(start_rad), std::sin(end_rad)));
+  const double height_m = radius_m * (has_top ? 1.0 : std::max(math::sin(start_rad), math::sin(end_rad)));
   const double half_px = 0.5 * side_px_;
   const double apex_row_px = apex.y_m * inverse_resolution_ + half_px - 0.5;
   const double apex_column_px = apex.x_m * inverse_resolution_ + half_px;
@@ -262,8 +263,8 @@ void ScoreRaster::mark_span(int row, double from_px, double to_px, double penalt
 double ScoreRaster::score(std::span<const float> x_m, std::span<const float> y_m,
                           const Pose2& reference_T_points) const {
   const double half_px = 0.5 * side_px_;
-  const PixelTransform transform{static_cast<float>(std::cos(reference_T_points.yaw_rad) * inverse_resolution_),
-                                 static_cast<float>(std::sin(reference_T_points.yaw_rad) * inverse_resolution_),
+  const PixelTransform transform{static_cast<float>(math::cos(reference_T_points.yaw_rad) * inverse_resolution_),
+                                 static_cast<float>(math::sin(reference_T_points.yaw_rad) * inverse_resolution_),
                                  static_cast<float>(reference_T_points.x_m * inverse_resolution_ + half_px),
                                  static_cast<float>(reference_T_points.y_m * inverse_resolution_ + half_px), side_px_};
   std::array<std::int32_t, kBlock> indices;

@@ -7,6 +7,7 @@
 
 #include "core/base/scan_span.hpp"
 #include "core/geometry/pose2_covariance.hpp"
+#include "core/math/elementary.hpp"
 #include "core/odometry/step_probability.hpp"
 
 namespace odoless {
@@ -56,14 +57,14 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   const std::int64_t from_stamp_ns = started_ ? stamp_ns_ : scan.stamp_ns();
   Motion motion = Motion::between(from_stamp_ns, scan.stamp_ns(), {});
   motion.duration_ns = started_ ? scan.time_ns() - time_ns_ : 0;
-  motion.duration_sd_s = started_ ? std::hypot(scan.time_sd_s(), time_sd_s_) : 0.0;
+  motion.duration_sd_s = started_ ? math::hypot(scan.time_sd_s(), time_sd_s_) : 0.0;
   const double period_s = std::max(params_.period_min_s, motion.duration_s());
   const Estimate prediction = predict(period_s);
   const Pose2 odom_T_key = map_.reference.empty() ? odom_T_scan_ : map_.odom_T_key;
   const Pose2 key_T_scan = odom_T_key.inverse() * prediction.odom_T_scan;
   const double unobserved_s = unobserved_period_s(scan, period_s);
   MotionReach reach = expected_reach(unobserved_s);
-  reach.distance_m += std::hypot(speed_x_mps_, speed_y_mps_) * motion.duration_sd_s;  // driven so much longer, or less
+  reach.distance_m += math::hypot(speed_x_mps_, speed_y_mps_) * motion.duration_sd_s;  // driven so much longer, or less
   reach.rotation_rad += std::abs(speed_yaw_radps_) * motion.duration_sd_s;
   const Expectation expected{key_T_scan, reach.distance_m, reach.rotation_rad, reach.distance_m > kWide_m,
                              odom_T_key.inverse() * odom_T_scan_};
@@ -122,11 +123,11 @@ void LaserOdometry::judge(const Result<MatchResult>& match, const Pose2& odom_T_
   }
   const std::span<const MatchPeak> peaks =
       std::span(match.value().peaks).first(static_cast<std::size_t>(match.value().peak_count));
-  motion.log_weight = std::log(peaks[0].weight);
+  motion.log_weight = math::log(peaks[0].weight);
   for (const MatchPeak& peak : peaks.subspan(1)) {
     if (peak.weight >= kWeight_min) {
       motion.alternatives[static_cast<std::size_t>(motion.alternative_count++)] = {
-          odom_T_scan_.inverse() * (odom_T_key * peak.reference_T_scan), std::log(peak.weight),
+          odom_T_scan_.inverse() * (odom_T_key * peak.reference_T_scan), math::log(peak.weight),
           rows_of<3>(motion.covariance())};
     }
   }
@@ -184,8 +185,7 @@ void LaserOdometry::forget_speed() {
 LaserOdometry::Estimate LaserOdometry::predict(double period_s) const {
   const double driven_s = std::min(period_s, params_.prediction_max_s);
   const Pose2 motion{speed_x_mps_ * driven_s, speed_y_mps_ * driven_s, speed_yaw_radps_ * driven_s};
-  const double c = std::cos(motion.yaw_rad);
-  const double s = std::sin(motion.yaw_rad);
+  const auto [s, c] = math::sincos(motion.yaw_rad);
   Eigen::Matrix2d turn;  // into the new scan's axes
   turn << c, s, -s, c;
   Estimate out;

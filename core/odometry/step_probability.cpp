@@ -1,7 +1,8 @@
 #include "core/odometry/step_probability.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -19,7 +20,7 @@ constexpr double kEvidence_max = 5.0;
 // A robot seldom goes straight on at full speed: in a short time hardly any leaves, in a long one nearly all do.
 double probability_of_leaving(const RobotLimits& limits, const StepSigns& signs) {
   const double way = limits.speed_max_mps * (signs.period_s + 0.5 * signs.period_sd_s) / kLocal_map_m;
-  return -kLeft_max * std::expm1(-std::pow(way, 4));
+  return -kLeft_max * math::expm1(-(way * way * way * way));
 }
 
 // Natural logarithm of how much oftener right matches have this score than wrong ones.
@@ -36,7 +37,7 @@ double step_probability(const RobotLimits& limits, const StepSigns& signs) {
   const bool is_poor = signs.matched && signs.score_share > 0.0 && signs.score_share < kPoor_share;
   const double carried = !signs.is_within_limits ? kCarried : is_poor ? kPoor_carried : 0.0;
   const double left = std::max(probability_of_leaving(limits, signs), carried);
-  const double stayed = (1.0 - left) * std::exp(evidence_of(signs));
+  const double stayed = (1.0 - left) * math::exp(evidence_of(signs));
   return stayed / (stayed + left);
 }
 

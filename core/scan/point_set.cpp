@@ -2,11 +2,12 @@
 
 #include <limits>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 
 void append_thinned(const ScanFrame& scan, const Pose2& target_T_scan, double spacing_m, PointSet& out) {
-  const double c = std::cos(target_T_scan.yaw_rad);
-  const double s = std::sin(target_T_scan.yaw_rad);
+  const auto [s, c] = math::sincos(target_T_scan.yaw_rad);
   constexpr double kFar_m = std::numeric_limits<double>::max();
   const double spacing_m2 = spacing_m * spacing_m;
   Point2 last{kFar_m, kFar_m};

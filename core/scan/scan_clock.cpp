@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 namespace {
 
@@ -50,7 +52,7 @@ double square(double x) { return x * x; }
 
 double normal_density(double x, double sd) {
   constexpr double kPeak = 0.3989422804014327;
-  return kPeak / sd * std::exp(-0.5 * square(x / sd));
+  return kPeak / sd * math::exp(-0.5 * square(x / sd));
 }
 
 // Of a jump by off_s: heavy-tailed, for nothing says how long a gap is.
@@ -128,7 +130,7 @@ ScanClock::Account ScanClock::gone_on(const Account& account, double off_s) cons
   out.time_s += expected_s_ + gain(account) * on_share * std::clamp(off_s, -gate_s(), gate_s());
   out.off_s = off_s;
   out.is_off = on_share < 0.5;
-  out.log_weight += std::log(std::max(on_density + off_density, std::numeric_limits<double>::min()));
+  out.log_weight += math::log(std::max(on_density + off_density, std::numeric_limits<double>::min()));
   return out;
 }
 
@@ -151,7 +153,7 @@ ScanClock::Account ScanClock::jumped(const Account& account, double off_s, doubl
   out.is_off = false;
   out.origin = gap ? Origin::kGap : is_slip ? Origin::kSlip : Origin::kClockSet;
   out.born = findings_.scans;
-  out.log_weight += std::log(habit / habits_.scans * jump_density(off_s, expected_s_));
+  out.log_weight += math::log(habit / habits_.scans * jump_density(off_s, expected_s_));
   return out;
 }
 
@@ -169,7 +171,7 @@ void ScanClock::offer(const Account& account) {
       const double high = std::max(other.log_weight, offered.log_weight);
       const double low = std::min(other.log_weight, offered.log_weight);
       offered = offered.log_weight > other.log_weight ? offered : other;
-      offered.log_weight = high + std::log1p(std::exp(low - high));
+      offered.log_weight = high + math::log1p(math::exp(low - high));
       std::move(accounts_.begin() + i + 1, accounts_.begin() + account_count_, accounts_.begin() + i);
       --account_count_;
       break;
@@ -199,7 +201,7 @@ void ScanClock::follow(const Account& believed) {
   for (int i = 0; i < account_count_; ++i) {
     Account& account = accounts_[static_cast<std::size_t>(i)];
     account.log_weight -= best;
-    others += i > 0 ? std::exp(account.log_weight) : 0.0;
+    others += i > 0 ? math::exp(account.log_weight) : 0.0;
   }
   const Account& now = accounts_[0];
   const std::int64_t since = findings_.scans - std::max(believed.born, now.born);
@@ -268,7 +270,7 @@ double ScanClock::variance_s2(double said_s) const {
   double weights = 0.0;
   for (int i = 0; i < account_count_; ++i) {
     const Account& account = accounts_[static_cast<std::size_t>(i)];
-    const double weight = std::exp(account.log_weight);
+    const double weight = math::exp(account.log_weight);
     sum += weight * square(account.time_s - said_s);
     weights += weight;
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 namespace {
 
@@ -37,7 +39,7 @@ void ScanFrame::set_geometry(const RawScan& raw) {
   }
   for (; directions_valid_ < size_; ++directions_valid_) {
     const double beam_rad = angle_rad(directions_valid_);
-    directions_[static_cast<std::size_t>(directions_valid_)] = {std::cos(beam_rad), std::sin(beam_rad)};
+    directions_[static_cast<std::size_t>(directions_valid_)] = {math::cos(beam_rad), math::sin(beam_rad)};
   }
 }
 
@@ -68,7 +70,7 @@ Errc ScanFrame::assign(const RawScan& raw) {
 // The turn changes the angle from beam to beam by the same, so that the beams stay evenly spaced but for the travel.
 void ScanFrame::deskew(const Velocity2& velocity) {
   const double period_s = static_cast<double>(std::exchange(beam_period_ns_, 0)) * 1e-9;
-  const bool is_credible = std::hypot(velocity.x_mps, velocity.y_mps) <= kDeskew_max_mps &&
+  const bool is_credible = math::hypot(velocity.x_mps, velocity.y_mps) <= kDeskew_max_mps &&
                            std::abs(velocity.yaw_radps) <= kDeskew_max_radps;  // false for NaN
   if (period_s <= 0.0 || period_s * size_ > kDeskew_max_s || !is_credible) {
     return;
@@ -79,14 +81,14 @@ void ScanFrame::deskew(const Velocity2& velocity) {
     const auto beam = static_cast<std::size_t>(i);
     const double beam_rad = angle_rad(i);
     Point2& direction = directions_[beam];
-    direction = {std::cos(beam_rad), std::sin(beam_rad)};
+    direction = {math::cos(beam_rad), math::sin(beam_rad)};
     if (!is_return(i)) {
       continue;
     }
     const double time_s = i * period_s;
     const Point2 p{range_m(i) * direction.x_m + velocity.x_mps * time_s,
                    range_m(i) * direction.y_m + velocity.y_mps * time_s};
-    const double distance_m = std::hypot(p.x_m, p.y_m);
+    const double distance_m = math::hypot(p.x_m, p.y_m);
     if (distance_m > 0.0) {
       ranges_m_[beam] = static_cast<float>(distance_m);
       direction = {p.x_m / distance_m, p.y_m / distance_m};

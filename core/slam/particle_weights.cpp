@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/base/check.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -23,7 +24,7 @@ void normalise_weights(std::span<const double> log_weights, std::span<double> we
   const double highest = *std::max_element(log_weights.begin(), log_weights.end());
   ODOLESS_CHECK(std::isfinite(highest));
   std::transform(log_weights.begin(), log_weights.end(), weights.begin(),
-                 [highest](double log_weight) { return std::exp(log_weight - highest); });
+                 [highest](double log_weight) { return math::exp(log_weight - highest); });
   scale_to_sum_one(weights);
 }
 

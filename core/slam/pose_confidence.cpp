@@ -1,7 +1,8 @@
 #include "core/slam/pose_confidence.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -17,13 +18,13 @@ void PoseConfidence::find() {
 }
 
 void PoseConfidence::confirm() {
-  right_ *= std::exp(params_.nowhere_else);
+  right_ *= math::exp(params_.nowhere_else);
   normalise();
 }
 
 void PoseConfidence::contradict() {
-  right_ *= std::exp(-params_.elsewhere);
-  drifted_ *= std::exp(-params_.elsewhere);
+  right_ *= math::exp(-params_.elsewhere);
+  drifted_ *= math::exp(-params_.elsewhere);
   normalise();
 }
 
@@ -58,7 +59,7 @@ void PoseConfidence::observe(double fit_share, double known_share, double span_s
   // That a scan fits to one corner does not grow more telling by looking at the corner longer.
   const double counts = evidence > 0.0 ? seen_anew : std::min(1.0, span_s / params_.evidence_period_s);
   const double weight = known_share * counts;
-  right_ *= std::exp(weight * evidence);
+  right_ *= math::exp(weight * evidence);
   normalise();
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <vector>
 
 #include "core/grid/grid_geometry.hpp"
+#include "core/math/elementary.hpp"
 #include "core/scan/scan_frame.hpp"
 #include "core/slam/beam_model.hpp"
 
@@ -24,8 +24,8 @@ class BeamCaster {
   BeamCaster(const GridGeometry& grid, const Pose2& map_T_scan)
       : start_cells_(grid.cells(map_T_scan.x_m, map_T_scan.y_m)),
         cells_per_m_(1.0 / grid.resolution_m),
-        cos_(std::cos(map_T_scan.yaw_rad)),
-        sin_(std::sin(map_T_scan.yaw_rad)) {}
+        cos_(math::cos(map_T_scan.yaw_rad)),
+        sin_(math::sin(map_T_scan.yaw_rad)) {}
 
   /// The walk along a direction of the scan frame, `length_m` far.
   [[nodiscard]] GridWalk walk(const Point2& direction, double length_m) const {
@@ -79,7 +79,7 @@ template <class Map>
                                     std::span<const Beam> beams, double cells_per_m) {
   double sum = 0.0;
   for (const Beam& beam : beams) {
-    sum += std::log(likelihood(model, caster, map, beam, cells_per_m));
+    sum += math::log(likelihood(model, caster, map, beam, cells_per_m));
   }
   return sum;
 }

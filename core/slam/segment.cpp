@@ -4,6 +4,7 @@
 
 #include "core/base/check.hpp"
 #include "core/geometry/pose2_covariance.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 
@@ -25,11 +26,11 @@ void RunSegment::add(const Motion& motion, const ScanFrame& scan) {
   scans_[static_cast<std::size_t>(size_++)] = scan;
   const Pose2& last_T_next = motion.previous_T_current;
   const Pose2 start_T_next = start_T_last_ * last_T_next;
-  const double travel_m = std::hypot(last_T_next.x_m, last_T_next.y_m);
-  const double variance_m2 = std::pow(drift_.sd_m_per_sqrt_m, 2) * travel_m;
-  const double variance_rad2 = std::pow(drift_.sd_rad_per_sqrt_m, 2) * travel_m +
-                               std::pow(drift_.sd_rad_per_sqrt_rad, 2) * std::abs(last_T_next.yaw_rad);
-  const double share = std::pow(drift_.match_ratio, 2);
+  const double travel_m = math::hypot(last_T_next.x_m, last_T_next.y_m);
+  const double variance_m2 = drift_.sd_m_per_sqrt_m * drift_.sd_m_per_sqrt_m * travel_m;
+  const double variance_rad2 = drift_.sd_rad_per_sqrt_m * drift_.sd_rad_per_sqrt_m * travel_m +
+                               drift_.sd_rad_per_sqrt_rad * drift_.sd_rad_per_sqrt_rad * std::abs(last_T_next.yaw_rad);
+  const double share = drift_.match_ratio * drift_.match_ratio;
   const Eigen::Matrix3d turn = turn_matrix(start_T_last_.yaw_rad);
   const ErrorProcess::Matrix noise = motion.error().noise;
   const Eigen::Vector3d variances(share * noise(0, 0) + variance_m2, share * noise(1, 1) + variance_m2,

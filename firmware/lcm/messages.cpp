@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/check.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -30,10 +31,10 @@ void to_message(const MotionHypothesis& hypothesis, motion_hypothesis_t& message
 
 // Rotation about z as w, x, y, z.
 void to_quaternion(double yaw_rad, double (&out)[4]) {
-  out[0] = std::cos(yaw_rad / 2.0);
+  out[0] = math::cos(yaw_rad / 2.0);
   out[1] = 0.0;
   out[2] = 0.0;
-  out[3] = std::sin(yaw_rad / 2.0);
+  out[3] = math::sin(yaw_rad / 2.0);
 }
 
 bool is_return(float range_m) { return std::isfinite(range_m) && range_m > 0.0F; }
@@ -245,7 +246,7 @@ void to_points(const PoseRecord& pose, const ScanRecord& scan, std::span<const f
     }
     const double angle_rad = scan.start_angle_rad + static_cast<double>(beam) * scan.angle_step_rad;
     const double range_m = ranges_m[beam];
-    const Point2 p_map = pose.map_T_scan * Point2{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)};
+    const Point2 p_map = pose.map_T_scan * Point2{range_m * math::cos(angle_rad), range_m * math::sin(angle_rad)};
     auto& point = message.points[static_cast<std::size_t>(message.n_points++)];
     point[0] = static_cast<float>(p_map.x_m);
     point[1] = static_cast<float>(p_map.y_m);

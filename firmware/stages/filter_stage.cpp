@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/geometry/pose2_covariance.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -19,7 +20,7 @@ FilterStage::FilterStage(const RobotParams& params, std::uint64_t seed)
 
 bool FilterStage::gate_is_open() const {
   const Pose2& update_T_scan = since_update_.previous_T_current;
-  return !started_ || std::hypot(update_T_scan.x_m, update_T_scan.y_m) >= gate_.distance_m ||
+  return !started_ || math::hypot(update_T_scan.x_m, update_T_scan.y_m) >= gate_.distance_m ||
          std::abs(update_T_scan.yaw_rad) >= gate_.rotation_rad;
 }
 

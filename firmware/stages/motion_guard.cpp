@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 namespace {
 
@@ -59,7 +61,7 @@ double variance_m2(const Rows& rows, std::size_t size) {
 bool MotionGuard::is_within_reach(const Pose2& way, double time_s, double slack_m) const {
   constexpr double kTurnSlack_rad = 1.0;
   const double turn_max_rad = kTurnSlack_rad + kGenerosity * limits_.turn_rate_max_radps * time_s;
-  return std::hypot(way.x_m, way.y_m) <= slack_m + kGenerosity * limits_.speed_max_mps * time_s &&
+  return math::hypot(way.x_m, way.y_m) <= slack_m + kGenerosity * limits_.speed_max_mps * time_s &&
          (turn_max_rad >= std::numbers::pi || std::abs(wrap_angle(way.yaw_rad)) <= turn_max_rad);
 }
 
@@ -75,7 +77,7 @@ bool MotionGuard::is_possible(const Motion& motion) const {
          std::all_of(motion.error_transition.begin(), motion.error_transition.end(),
                      [time_s](double gain) { return std::abs(gain) <= kGainMax * (1.0 + time_s); }) &&
          std::all_of(motion.others().begin(), motion.others().end(), [&](const MotionHypothesis& other) {
-           return std::hypot(other.previous_T_current.x_m, other.previous_T_current.y_m) <=
+           return math::hypot(other.previous_T_current.x_m, other.previous_T_current.y_m) <=
                       kOtherSlack_m + kGenerosity * limits_.speed_max_mps * time_s &&
                   is_covariance<3>(other.covariance) && is_certain_enough(other.covariance, 3);
          });

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "core/math/elementary.hpp"
 #include "firmware/lcm/map_view.hpp"
 #include "firmware/threads/tile_sweep.hpp"
 #include "rt/cpu_clock.hpp"
@@ -127,7 +128,8 @@ void LiveView::take(const PoseRecord& pose, const ScanRecord& scan, std::span<co
     const auto range_m = static_cast<double>(ranges_m[i]);
     if (std::isfinite(range_m) && range_m > 0.0) {
       const double bearing_rad = scan.start_angle_rad + static_cast<double>(i) * scan.angle_step_rad;
-      scan_p_map_.push_back(pose.map_T_scan * Point2{range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad)});
+      scan_p_map_.push_back(pose.map_T_scan *
+                            Point2{range_m * math::cos(bearing_rad), range_m * math::sin(bearing_rad)});
     }
   }
 }

@@ -1,12 +1,13 @@
 #include "firmware/web/trail.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 
 void Trail::add(const Point2& p_map) {
-  if (!points_.empty() && std::hypot(p_map.x_m - points_.back().x_m, p_map.y_m - points_.back().y_m) < spacing_m_) {
+  if (!points_.empty() && math::hypot(p_map.x_m - points_.back().x_m, p_map.y_m - points_.back().y_m) < spacing_m_) {
     return;
   }
   if (points_.size() == kPoints) {

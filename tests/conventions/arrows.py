@@ -8,11 +8,12 @@ INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTIL
 
 # Folder to the folders that it may include, besides itself. "core" is every part of it.
 ALLOWED = {
-    "core/base": [],
-    "core/geometry": [],
+    "core/math": [],
+    "core/base": ["core/math"],
+    "core/geometry": ["core/math"],
     "core": ["core"],
     "rt": ["core/base"],
-    "drivers": ["core/base", "core/scan", "rt"],
+    "drivers": ["core/base", "core/math", "core/scan", "rt"],
     "config": ["core", "rt", "drivers"],
     "firmware": ["core", "rt", "drivers", "config"],
     "tools": ["core", "rt", "drivers", "config", "firmware"],

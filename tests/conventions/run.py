@@ -4,6 +4,7 @@ import pathlib
 import sys
 
 import arrows
+import elementary
 import exceptions
 import format as formatting
 import paths
@@ -14,6 +15,7 @@ import units
 
 CHECKS = {
     "arrows": arrows.problems,
+    "elementary": elementary.problems,
     "exceptions": exceptions.problems,
     "format": formatting.problems,
     "paths": paths.problems,

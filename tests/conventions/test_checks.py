@@ -6,6 +6,7 @@ import tempfile
 import unittest
 
 import arrows
+import elementary
 import exceptions
 import format as formatting
 import paths
@@ -67,6 +68,19 @@ class Arrows(unittest.TestCase):
     def test_refuses_clocks_and_files_in_the_core_alone(self):
         self.assertIn("core/ndt/a.cpp:1: <chrono>", self.only_problem({"core/ndt/a.cpp": "#include <chrono>"}))
         self.assertEqual(arrows.problems({"rt/clock.cpp": "#include <chrono>", "core/a/b.cpp": "#include <cmath>"}), [])
+
+
+class Elementary(unittest.TestCase):
+    def test_refuses_functions_of_the_library(self):
+        for bad in ["std::sin(x)", "::exp(x)", "atan2f(y, x)", "std::pow(x, 2)", "apply(std::log)", "a.array().exp()", "Eigen::AngleAxisd turn"]:
+            found = elementary.problems({"core/a/b.cpp": f"int a;\nauto b = {bad};\n"})
+            self.assertEqual(len(found), 1, bad)
+            self.assertIn("core/a/b.cpp:2: ", found[0])
+
+    def test_lets_own_and_exact_ones_pass(self):
+        good = "auto a = math::sin(x) + std::sqrt(y) + std::remainder(x, y) + log_sum(x) + sin_ * cos;  // exp(x)\n"
+        self.assertEqual(elementary.problems({"core/a/b.cpp": good}), [])
+        self.assertEqual(elementary.problems({"core/math/b.cpp": "exp(x)", "tools/sim/a.cpp": "std::sin(x)"}), [])
 
 
 class Sizes(unittest.TestCase):

@@ -1,5 +1,6 @@
 #include "tools/log/reference_poses.hpp"
 
+#include "core/math/elementary.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/carmen_line.hpp"
 #include "tools/log/stamp.hpp"
@@ -64,7 +65,7 @@ double yaw_of(const Fields& fields) {
   const double y = fields.number(5, "qy");
   const double z = fields.number(6, "qz");
   const double w = fields.number(7, "qw");
-  return std::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z);
+  return math::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z);
 }
 
 ReferencePose parse_pose(const Fields& fields) {

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/geometry/pose2.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -35,11 +36,11 @@ double bend(std::span<const float> ranges_m, double step_rad) {
   const std::size_t last = ranges_m.size() - 1;
   const auto point = [&](std::size_t i) {
     const double angle_rad = (static_cast<double>(i) - 0.5 * static_cast<double>(last)) * step_rad;
-    return Point2{ranges_m[i] * std::cos(angle_rad), ranges_m[i] * std::sin(angle_rad)};
+    return Point2{ranges_m[i] * math::cos(angle_rad), ranges_m[i] * math::sin(angle_rad)};
   };
   const Point2 first = point(0);
   const Point2 chord{point(last).x_m - first.x_m, point(last).y_m - first.y_m};
-  const double length_m = std::max(std::hypot(chord.x_m, chord.y_m), 1e-6);
+  const double length_m = std::max(math::hypot(chord.x_m, chord.y_m), 1e-6);
   // Moments of u, along the chord, -0.5 to 0.5, and of v, across it, over u: all by the length.
   std::array<double, 5> powers{};
   std::array<double, 3> products{};

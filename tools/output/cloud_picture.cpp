@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/math/elementary.hpp"
 #include "tools/output/scale_bar.hpp"
 
 namespace odoless {
@@ -80,9 +81,9 @@ class Eye {
   Eye(const Box& box, int width_px, int height_px) : width_px_(width_px), height_px_(height_px) {
     constexpr double kAzimuthRad = -2.2;
     constexpr double kElevationRad = 40.0 * std::numbers::pi / 180.0;
-    const double distance_m = 1.6 * std::hypot(box.width_m(), box.depth_m());
-    const Eigen::Vector3d back(std::cos(kElevationRad) * std::cos(kAzimuthRad),
-                               std::cos(kElevationRad) * std::sin(kAzimuthRad), std::sin(kElevationRad));
+    const double distance_m = 1.6 * math::hypot(box.width_m(), box.depth_m());
+    const Eigen::Vector3d back(math::cos(kElevationRad) * math::cos(kAzimuthRad),
+                               math::cos(kElevationRad) * math::sin(kAzimuthRad), math::sin(kElevationRad));
     const Point3 middle = box.middle();
     place_m_ = Eigen::Vector3d(middle.x_m, middle.y_m, middle.z_m) + distance_m * back;
     right_ = Eigen::Vector3d::UnitZ().cross(back).normalized();

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <iterator>
 
+#include "core/math/elementary.hpp"
 #include "tools/output/whole_file.hpp"
 
 namespace odoless {
@@ -26,7 +26,7 @@ std::string format_trajectory(std::span<const StampedPose> poses) {
   for (const StampedPose& stamped : poses) {
     const Pose2& pose = stamped.map_T_scan;
     fmt::format_to(std::back_inserter(text), "{} {:.6f} {:.6f} 0 0 0 {:.9f} {:.9f}\n", format_stamp_s(stamped.stamp_ns),
-                   pose.x_m, pose.y_m, std::sin(pose.yaw_rad / 2.0), std::cos(pose.yaw_rad / 2.0));
+                   pose.x_m, pose.y_m, math::sin(pose.yaw_rad / 2.0), math::cos(pose.yaw_rad / 2.0));
   }
   return text;
 }

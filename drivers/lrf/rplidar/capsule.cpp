@@ -1,9 +1,9 @@
 #include "drivers/lrf/rplidar/capsule.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
+#include "core/math/elementary.hpp"
 #include "drivers/lrf/rplidar/bytes.hpp"
 
 namespace odoless::rplidar {
@@ -120,7 +120,7 @@ double capsule_angle_deg(const CapsuleFormat& format, std::span<const std::byte>
 
 double compensation_deg(double range_m) {
   return range_m < kNearM ? kNearCompensationDeg
-                          : kCompensationMaxDeg - std::asin(kBaselineM / range_m) * 180.0 / std::numbers::pi;
+                          : kCompensationMaxDeg - math::asin(kBaselineM / range_m) * 180.0 / std::numbers::pi;
 }
 
 ScaledRange ultra_range(unsigned scaled) {

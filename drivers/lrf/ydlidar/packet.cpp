@@ -1,7 +1,8 @@
 #include "drivers/lrf/ydlidar/packet.hpp"
 
-#include <cmath>
 #include <numbers>
+
+#include "core/math/elementary.hpp"
 
 namespace odoless::ydlidar {
 namespace {
@@ -38,7 +39,7 @@ std::uint16_t check_word(std::span<const std::byte> packet) {
 
 double parallax_deg(double range_m) {
   const double range_mm = range_m * 1000.0;
-  return std::atan(kBaselineMm * (kStraightMm - range_mm) / (kStraightMm * range_mm)) * 180.0 / std::numbers::pi;
+  return math::atan(kBaselineMm * (kStraightMm - range_mm) / (kStraightMm * range_mm)) * 180.0 / std::numbers::pi;
 }
 
 bool PacketFormat::can_start(std::span<const std::byte> bytes) {

@@ -127,8 +127,8 @@ TEST(Elementary, ArctangentIsWithinItsErrorAllAround) {
   Rng rng(1);
   double worst = 0.0;
   for (int i = 0; i < kArguments; ++i) {
-    const double size = std::exp2(rng.uniform(-40.0, 40.0)) * (rng.next() % 2 == 0 ? 1.0 : -1.0);
-    const double y = i % 2 == 0 ? rng.uniform(-1.0, 1.0) : size;
+    const double any_y = std::exp2(rng.uniform(-40.0, 40.0)) * (rng.next() % 2 == 0 ? 1.0 : -1.0);
+    const double y = i % 2 == 0 ? rng.uniform(-1.0, 1.0) : any_y;
     const double x = rng.uniform(-1.0, 1.0);
     worst = std::max(worst, error_ulp(math::atan2(y, x), std::atan2(static_cast<long double>(y), x)));
   }
