@@ -156,7 +156,7 @@ constexpr std::array<LogStep, kSteps> kLogSteps = [] {
   std::array<LogStep, kSteps> out{};
   for (int i = 0; i < kSteps; ++i) {
     const auto middle = std::bit_cast<double>(kFirstStep + ((2LL * i + 1) << 44));
-    const double inverse = static_cast<int>(4096.0 / middle + 0.5) / 4096.0;
+    const double inverse = ((4096.0 / middle + kToWhole) - kToWhole) / 4096.0;
     const DoubleDouble t = DoubleDouble{1.0 - inverse} / (1.0 + inverse);
     const DoubleDouble t2 = t * t;
     DoubleDouble series{0.0};
@@ -324,7 +324,7 @@ double log(double x) {
   const double r2 = r.high * r.high;
   const double series =
       (-0.5 + r.high * (1.0 / 3.0)) + r2 * ((-0.25 + r.high * 0.2) + r2 * (-1.0 / 6.0 + r.high * (1.0 / 7.0)));
-  const double twos = static_cast<double>(exponent - (is_denormal ? 52 : 0));
+  const auto twos = static_cast<double>(exponent - (is_denormal ? 52 : 0));
   const DoubleDouble sum = fast_sum(twos * kParts.high + step.log_high, r.high);
   return sum.high + (sum.low + (r.low + (twos * kParts.low + step.log_low)) + r2 * series);
 }
