@@ -46,8 +46,10 @@ class PacketFinder {
       } else if (bytes.empty()) {
         return Outcome::kMore;
       } else {
-        buffer_[size_++] = bytes.front();
-        bytes = bytes.subspan(1);
+        const std::size_t count = std::min(bytes.size(), wanted - size_);
+        std::copy_n(bytes.begin(), count, buffer_.begin() + static_cast<std::ptrdiff_t>(size_));
+        size_ += count;
+        bytes = bytes.subspan(count);
       }
     }
   }

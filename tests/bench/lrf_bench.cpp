@@ -45,8 +45,8 @@ std::vector<Streamed> lasers() {
           {"ld06", params_of(LrfDriver::kLdrobot)},
           {"stl-27l", params_of(LrfDriver::kLdrobot, 2000)},  // 21600 points a second
           {"ydlidar-tg30", time_of_flight},                   // 20000 points a second
-          {"lms111", params_of(LrfDriver::kSopas)},           // 541 beams at 50 Hz, binary
-          {"tim551", params_of(LrfDriver::kSopas)},           // text
+          {"lms111", params_of(LrfDriver::kSopas)},           // 541 beams at 50 Hz, text
+          {"tim551", params_of(LrfDriver::kSopas)},           // text, 15 Hz
           {"csv", params_of(LrfDriver::kCsv)}};
 }
 

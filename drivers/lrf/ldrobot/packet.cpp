@@ -17,19 +17,25 @@ constexpr unsigned kTurnCdeg = 36'000;
 constexpr unsigned kSweepMaxCdeg = 9'000;   ///< of a packet
 constexpr unsigned kSpeedMaxDegps = 7'200;  ///< 20 turns a second
 
-constexpr std::array<std::uint8_t, 256> sum_table() {
-  std::array<std::uint8_t, 256> table{};
-  for (unsigned i = 0; i < table.size(); ++i) {
+constexpr std::size_t kSumStep = 4;  ///< bytes that go into the sum at once
+using SumTables = std::array<std::array<std::uint8_t, 256>, kSumStep>;
+
+/// Of how a byte changes the sum, with no, one, two and three bytes behind it.
+constexpr SumTables sum_tables() {
+  SumTables tables{};
+  for (unsigned i = 0; i < 256; ++i) {
     unsigned rest = i;
-    for (int bit = 0; bit < 8; ++bit) {
-      rest = (rest & 0x80U) != 0 ? (rest << 1U) ^ 0x4DU : rest << 1U;
+    for (auto& table : tables) {
+      for (int bit = 0; bit < 8; ++bit) {
+        rest = (rest & 0x80U) != 0 ? ((rest << 1U) ^ 0x4DU) & 0xFFU : rest << 1U;
+      }
+      table[i] = static_cast<std::uint8_t>(rest);
     }
-    table[i] = static_cast<std::uint8_t>(rest);
   }
-  return table;
+  return tables;
 }
 
-constexpr std::array<std::uint8_t, 256> kSumTable = sum_table();
+constexpr SumTables kSumTables = sum_tables();
 
 unsigned number_at(std::span<const std::byte> bytes, std::size_t at) {
   return std::to_integer<unsigned>(bytes[at]) | std::to_integer<unsigned>(bytes[at + 1]) << 8U;
@@ -38,9 +44,14 @@ unsigned number_at(std::span<const std::byte> bytes, std::size_t at) {
 }  // namespace
 
 std::uint8_t checksum(std::span<const std::byte> bytes) {
+  const auto number = [](std::byte byte) { return std::to_integer<std::uint8_t>(byte); };
   std::uint8_t sum = 0;
+  for (; bytes.size() >= kSumStep; bytes = bytes.subspan(kSumStep)) {
+    sum = static_cast<std::uint8_t>(kSumTables[3][sum ^ number(bytes[0])] ^ kSumTables[2][number(bytes[1])] ^
+                                    kSumTables[1][number(bytes[2])] ^ kSumTables[0][number(bytes[3])]);
+  }
   for (const std::byte byte : bytes) {
-    sum = kSumTable[sum ^ std::to_integer<std::uint8_t>(byte)];
+    sum = kSumTables[0][sum ^ number(byte)];
   }
   return sum;
 }

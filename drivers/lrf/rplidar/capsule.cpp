@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/math/elementary.hpp"
 #include "drivers/lrf/rplidar/bytes.hpp"
 
 namespace odoless::rplidar {
@@ -14,6 +13,7 @@ constexpr std::size_t kUltraCabinBytes = 4;       ///< of three
 constexpr std::size_t kDenseCabinBytes = 2;       ///< of one
 constexpr std::size_t kUltraDenseCabinBytes = 5;  ///< of two: twice 16 bits, and twice the 4 bits above
 constexpr double kAngleStepDeg = 1.0 / 64.0;
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 // Of the geometry of lasers that triangulate: the distance of the receiver from the laser; nearer than that nothing is
 // exact.
@@ -118,9 +118,16 @@ double capsule_angle_deg(const CapsuleFormat& format, std::span<const std::byte>
   return (number_at(capsule, format.angle_at) & 0x7FFFU) * kAngleStepDeg;
 }
 
+// The arc sine is its series: it is asked for once per sample.
 double compensation_deg(double range_m) {
-  return range_m < kNearM ? kNearCompensationDeg
-                          : kCompensationMaxDeg - math::asin(kBaselineM / range_m) * 180.0 / std::numbers::pi;
+  if (range_m < kNearM) {
+    return kNearCompensationDeg;
+  }
+  const double sine = kBaselineM / range_m;
+  const double square = sine * sine;
+  const double series =
+      1.0 + square * (1.0 / 6.0 + square * (3.0 / 40.0 + square * (5.0 / 112.0 + square * (35.0 / 1152.0))));
+  return kCompensationMaxDeg - sine * series * kDegPerRad;
 }
 
 ScaledRange ultra_range(unsigned scaled) {

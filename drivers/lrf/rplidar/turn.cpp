@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "drivers/lrf/sort_nearly_sorted.hpp"
+
 namespace odoless::rplidar {
 namespace {
 
@@ -35,7 +37,10 @@ bool Turn::add(const Point& point, std::int64_t time_ns) {
   const bool is_miss = point.range_m <= 0.0;
   double angle_deg = point.angle_deg - (is_miss ? miss_lag_deg_ : 0.0);
   if (count_ > 0) {
-    angle_deg += kTurnDeg * std::round((last_deg_ - angle_deg) / kTurnDeg);
+    const double behind_deg = last_deg_ - angle_deg;
+    if (std::abs(behind_deg) >= kTurnDeg / 2.0) {  // rarely
+      angle_deg += kTurnDeg * std::round(behind_deg / kTurnDeg);
+    }
     is_spoilt_ = is_spoilt_ || angle_deg < last_deg_ - kBackwardsMaxDeg;
   }
   last_deg_ = angle_deg;
@@ -88,23 +93,25 @@ float Turn::between_m(const Sample& left, const Sample& right, double angle_deg,
   if (!are_neighbours) {
     return 0.0F;
   }
-  const double share = (angle_deg - left.angle_deg) / std::max(gap_deg, 1e-9);
-  const double samples = share * (misses + 1.0);  // from the left one
-  const bool is_missed = samples > 0.5 && samples < misses + 0.5;
-  const Sample& nearer = share < 0.5 ? left : right;
-  if (is_missed || nearer.range_m <= 0.0) {
-    return std::numeric_limits<float>::infinity();
-  }
+  const double from_left_deg = angle_deg - left.angle_deg;
   const bool is_one_surface =
       misses == 0.0 && left.range_m > 0.0 && right.range_m > 0.0 &&
       std::abs(left.range_m - right.range_m) < kSurfaceRatio * std::min(left.range_m, right.range_m);
-  const double range_m = is_one_surface ? 1.0 / ((1.0 - share) / left.range_m + share / right.range_m) : nearer.range_m;
-  return static_cast<float>(range_m);
+  if (is_one_surface && gap_deg > 0.0) {
+    const double weighted = (gap_deg - from_left_deg) * right.range_m + from_left_deg * left.range_m;
+    return static_cast<float>(left.range_m * right.range_m * gap_deg / weighted);
+  }
+  const double share = from_left_deg / std::max(gap_deg, 1e-9);
+  const double samples = share * (misses + 1.0);  // from the left one
+  const bool is_missed = samples > 0.5 && samples < misses + 0.5;
+  const Sample& nearer = share < 0.5 ? left : right;
+  return is_missed || nearer.range_m <= 0.0 ? std::numeric_limits<float>::infinity()
+                                            : static_cast<float>(nearer.range_m);
 }
 
 int Turn::resample(std::span<float> ranges_m) {
-  const auto end = finished_.begin() + static_cast<std::ptrdiff_t>(finished_count_);
-  std::sort(finished_.begin(), end, [](const Sample& a, const Sample& b) { return a.angle_deg < b.angle_deg; });
+  sort_nearly_sorted(std::span(finished_).first(finished_count_),
+                     [](const Sample& a, const Sample& b) { return a.angle_deg < b.angle_deg; });
   const double beam_deg = kTurnDeg / static_cast<double>(ranges_m.size());
   int known = 0;
   std::size_t right = 1;

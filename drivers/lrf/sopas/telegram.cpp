@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 
 namespace odoless::sopas {
 namespace {
@@ -13,6 +12,17 @@ constexpr std::size_t kBinaryHead = 8;  ///< four starts and the length
 constexpr std::size_t kShortest = 3;    ///< "sFA"
 
 bool is_text(char c) { return c >= 0x20 && c <= 0x7E; }
+
+/// What a hexadecimal digit of either case is worth; 16: it is none. A table, for a branch would go either way.
+constexpr std::array<std::uint8_t, 256> kDigits = [] {
+  std::array<std::uint8_t, 256> table{};
+  table.fill(16);
+  for (std::uint8_t digit = 0; digit < 16; ++digit) {
+    table[static_cast<std::size_t>("0123456789ABCDEF"[digit])] = digit;
+    table[static_cast<std::size_t>("0123456789abcdef"[digit])] = digit;
+  }
+  return table;
+}();
 
 std::uint32_t big_endian(std::string_view bytes) {
   std::uint32_t number = 0;
@@ -59,21 +69,26 @@ std::uint32_t Fields::number(int bytes) {
   if (dialect_ == Dialect::kBinary) {
     return big_endian(take(static_cast<std::size_t>(bytes)));
   }
-  std::string_view digits = word();
-  const char* const word_begin = digits.data();
-  const bool is_decimal = digits.starts_with('+') || digits.starts_with('-');
-  if (digits.starts_with('+')) {
-    digits.remove_prefix(1);
-  }
-  std::int64_t value = 0;
-  const char* const end = digits.data() + digits.size();
-  const auto [stop, error] = std::from_chars(digits.data(), end, value, is_decimal ? 10 : 16);
+  const std::string_view text = rest_;
+  const char sign = text.empty() ? ' ' : text.front();
+  const bool is_decimal = sign == '+' || sign == '-';
+  const unsigned base = is_decimal ? 10 : 16;
   const std::int64_t limit = std::int64_t{1} << (8 * bytes);
-  const bool has_two_signs = is_decimal && digits.starts_with('-') && digits.data() != word_begin;
-  const bool is_possible = !has_two_signs && value < limit && value >= (is_decimal ? -limit / 2 : 0);
-  if (digits.empty() || error != std::errc() || stop != end || !is_possible) {
+  const std::size_t begin = is_decimal ? 1 : 0;
+  std::size_t end = begin;
+  std::int64_t value = 0;
+  for (; end < text.size() && text[end] != ' '; ++end) {
+    const unsigned digit = kDigits[static_cast<unsigned char>(text[end])];
+    if (digit >= base || value >= limit) {
+      return fail();
+    }
+    value = value * base + digit;
+  }
+  value = sign == '-' ? -value : value;
+  if (end == begin || value >= limit || value < -limit / 2) {
     return fail();
   }
+  rest_.remove_prefix(std::min(end + 1, text.size()));
   return static_cast<std::uint32_t>(value & (limit - 1));
 }
 

@@ -51,6 +51,27 @@ Found read(const Bytes& bytes, std::size_t step) {
   return found;
 }
 
+/// As the manual defines it, bit by bit.
+std::uint8_t plain_checksum(std::span<const std::byte> bytes) {
+  unsigned sum = 0;
+  for (const std::byte byte : bytes) {
+    sum ^= std::to_integer<unsigned>(byte);
+    for (int bit = 0; bit < 8; ++bit) {
+      sum = (sum & 0x80U) != 0 ? ((sum << 1U) ^ 0x4DU) & 0xFFU : sum << 1U;
+    }
+  }
+  return static_cast<std::uint8_t>(sum);
+}
+
+TEST(LdrobotPacket, ItsSumIsTheManualsOfAnyBytes) {
+  Rng rng(7);
+  for (std::size_t size = 0; size < 100; ++size) {
+    Bytes bytes(size);
+    std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<std::byte>(rng.below(256)); });
+    EXPECT_EQ(checksum(bytes), plain_checksum(bytes)) << size;
+  }
+}
+
 TEST(LdrobotPacket, TheManualsExampleIsUnderstood) {
   PacketReader reader;
   std::span<const std::byte> bytes = kExample;

@@ -128,6 +128,13 @@ TEST(RplidarCapsule, CompensationIsThatOfTheMakersModel) {
   }
 }
 
+TEST(RplidarCapsule, CompensationIsTheTriangle) {
+  for (double range_m = 0.05; range_m < 30.0; range_m *= 1.01) {
+    const double exact_deg = 8.0 - std::asin(0.024 / range_m) * 180.0 / std::numbers::pi;
+    EXPECT_NEAR(compensation_deg(range_m), exact_deg, 0.001) << range_m;
+  }
+}
+
 TEST(RplidarCapsule, ItsSumSeesEveryChangeOfOneByte) {
   for (const CapsuleFormat& format : kCapsuleFormats) {
     const std::vector<std::byte> bytes = capsule_of(format, {0x43, 0x0F, 0x00, 0x00, 0x4F}, true);

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/base/rng.hpp"
 #include "drivers/lrf/sopas/scan_data.hpp"
 #include "drivers/lrf/sopas/scan_stream.hpp"
 
@@ -75,6 +79,38 @@ TEST(SopasFields, TakeNumbersInHexadecimalOrWithASign) {
   EXPECT_FLOAT_EQ(fields.real(), 0.1F);
   EXPECT_EQ(fields.text(5), "DIST1");
   EXPECT_TRUE(fields.ok() && fields.empty());
+}
+
+/// The plain way: the standard library reads the digits.
+std::optional<std::uint32_t> plain_number(std::string_view word, int bytes) {
+  const bool is_decimal = word.starts_with('+') || word.starts_with('-');
+  const std::string digits(is_decimal ? word.substr(1) : word);
+  const bool is_number = !digits.empty() && digits.size() < 16 &&
+                         std::all_of(digits.begin(), digits.end(),
+                                     [&](unsigned char c) { return is_decimal ? std::isdigit(c) : std::isxdigit(c); });
+  if (!is_number) {
+    return std::nullopt;
+  }
+  const auto size = std::stoll(digits, nullptr, is_decimal ? 10 : 16);
+  const auto value = word.starts_with('-') ? -size : size;
+  const auto limit = 1LL << (8 * bytes);
+  const bool is_in_range = value < limit && value >= (is_decimal ? -limit / 2 : 0);
+  return is_in_range ? std::optional(static_cast<std::uint32_t>(value & (limit - 1))) : std::nullopt;
+}
+
+TEST(SopasFields, ANumberInTextIsReadAsTheStandardLibraryReadsIt) {
+  Rng rng(5);
+  constexpr std::string_view kCharacters = "+-0129aAfFgG :/@`";
+  for (int i = 0; i < 100'000; ++i) {
+    std::string word(rng.below(7), ' ');
+    std::generate(word.begin(), word.end(), [&] { return kCharacters[rng.below(17)]; });
+    const int bytes = 1 << rng.below(3);
+    Fields fields(Dialect::kAscii, word);
+    const std::uint32_t number = fields.number(bytes);
+    const std::optional<std::uint32_t> plain = plain_number(word.substr(0, word.find(' ')), bytes);
+    ASSERT_EQ(fields.ok(), plain.has_value()) << "'" << word << "' of " << bytes;
+    ASSERT_EQ(number, plain.value_or(0)) << "'" << word << "' of " << bytes;
+  }
 }
 
 TEST(SopasFields, RefuseWhatCannotBe) {
