@@ -58,8 +58,9 @@ enum class TiltError : std::uint8_t {
   kDeviceType,   ///< CANopen: a device type (1000h) that is no drive's
   kErrorNumber,  ///< Dynamixel: it refuses what was asked of `object`; the error of its answer
   kHardware,     ///< Dynamixel: bits of its hardware error status
+  kModel,        ///< Dynamixel: the number of a model whose control table is another
 };
-inline constexpr std::size_t kTiltErrors = 8;
+inline constexpr std::size_t kTiltErrors = 9;
 
 struct TiltEvent {
   TiltEventType type = TiltEventType::kReady;

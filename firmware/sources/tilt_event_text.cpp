@@ -117,6 +117,12 @@ TiltEventText error_text(const TiltEvent& event) {
       return {EventPriority::kError,
               "tilt servo: hardware error {:02X}h, the sum of 1 voltage, 4 heat, 8 encoder, 10h circuit, 20h overload",
               event.code};
+    case TiltError::kModel:
+      return {
+          EventPriority::kError,
+          "tilt servo: it is a Dynamixel of model number {}, whose control table is another than those of the X and P "
+          "series that this driver knows",
+          event.code};
     case TiltError::kNone:
       break;
   }

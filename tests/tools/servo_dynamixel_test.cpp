@@ -35,6 +35,57 @@ TEST(DynamixelSession, WritesKeptMemoryOnlyWhereItDiffers) {
   EXPECT_EQ(bench.session().state(), TiltState::kLevel);
 }
 
+// Another table, other units, and limits of speed and acceleration that X has not.
+TEST(DynamixelSession, DrivesTheSeriesP) {
+  TiltParams params = serial_params();
+  params.at_start = TiltCommand::kSweep;
+  DynamixelDeviceOptions options;
+  options.model = "ph54-200-s500";
+  ServoBench bench(params, std::make_unique<DynamixelDevice>(options, 1000 * kServoSecond));
+  bench.reset();
+  ASSERT_GT(bench.run_until(TiltState::kSweeping, 2 * kServoSecond), 0);
+  bench.run(8 * kServoSecond);
+  EXPECT_EQ(bench.heard().events.size(), 1U) << "ready, and nothing else";
+  EXPECT_GT(bench.heard().samples.size(), 300U);
+  const auto by_angle = [](const TiltSample& a, const TiltSample& b) { return a.angle_rad < b.angle_rad; };
+  const auto [low, high] = std::ranges::minmax_element(bench.heard().samples, by_angle);
+  EXPECT_NEAR(low->angle_rad, params.sweep_from_rad, 0.02);
+  EXPECT_NEAR(high->angle_rad, params.sweep_to_rad, 0.02);
+  for (const TiltSample& sample : bench.heard().samples) {
+    ASSERT_NEAR(sample.angle_rad, bench.true_angle_rad(sample.stamp_ns), 0.02);
+  }
+  const auto& device = bench.servo_as<DynamixelDevice>();
+  EXPECT_EQ(device.get(dynamixel::kPositionMax, 4), 125'481U) << "45 deg of 1003846 steps a turn";
+  EXPECT_EQ(device.get(dynamixel::kProfile + 4, 4), 1000U) << "60 deg/s of 0.01 rev/min";
+  EXPECT_EQ(device.get(dynamixel::kProfile, 4), 6000U) << "600 deg/s2 of 1 rev/min2";
+  bench.command(TiltCommand::kStop);
+  EXPECT_GE(bench.run_until([&] { return bench.servo().velocity_radps() == 0.0; }, 200 * kServoMs), 0);
+}
+
+TEST(DynamixelSession, IsNoFasterThanAServosOwnLimitsAllow) {
+  TiltParams params = serial_params();
+  params.at_start = TiltCommand::kSweep;
+  params.speed_radps = 20.0;
+  params.acceleration_radps2 = 1000.0;
+  DynamixelDeviceOptions options;
+  options.model = "ph54-200-s500";
+  ServoBench bench(params, std::make_unique<DynamixelDevice>(options, 1000 * kServoSecond));
+  bench.reset();
+  ASSERT_GT(bench.run_until(TiltState::kSweeping, 2 * kServoSecond), 0);
+  bench.run(2 * kServoSecond);
+  EXPECT_EQ(bench.heard().events.size(), 1U) << "ready, and nothing is refused";
+  EXPECT_EQ(bench.servo_as<DynamixelDevice>().get(dynamixel::kProfile + 4, 4), 2900U);
+}
+
+TEST(DynamixelSession, TablesAreKnownByTheModelsNumber) {
+  EXPECT_EQ(dynamixel::control_table(1020)->first_lost, 64) << "XM430-W350";
+  EXPECT_EQ(dynamixel::control_table(1999)->first_lost, 64) << "one that is new is of the series X";
+  EXPECT_EQ(dynamixel::control_table(2000)->counts_per_turn, 607'500.0) << "PH42-020";
+  EXPECT_EQ(dynamixel::control_table(54025)->counts_per_turn, 1'003'846.0) << "H54-200 (A)";
+  EXPECT_FALSE(dynamixel::control_table(54024)) << "H54-200 without (A)";
+  EXPECT_FALSE(dynamixel::control_table(350)) << "XL-320";
+}
+
 TEST(DynamixelSession, ComesUpWhateverItsLevelOfAnswersAndWithEchoes) {
   for (const std::uint8_t answers : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}}) {
     for (const bool echoes : {false, true}) {

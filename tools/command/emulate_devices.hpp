@@ -46,6 +46,7 @@ struct EmulateLrfOptions {
 struct EmulateServoOptions {
   bool cia402 = false;
   bool dynamixel = false;
+  std::string model = "xm430-w350";
   std::string can;
   std::string pty;
   std::string log;

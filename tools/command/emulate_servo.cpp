@@ -33,6 +33,14 @@ std::vector<Fault> servo_faults(const std::vector<std::string>& texts) {
   return faults;
 }
 
+std::string model_names() {
+  std::string names;
+  for (const DynamixelModel& model : dynamixel_models()) {
+    names += (names.empty() ? "" : " or ") + std::string(model.name);
+  }
+  return names;
+}
+
 void run(const EmulateServoOptions& options, double duration_s) {
   if (options.cia402 == options.dynamixel || options.cia402 == options.can.empty() ||
       options.dynamixel == options.pty.empty()) {
@@ -41,7 +49,7 @@ void run(const EmulateServoOptions& options, double duration_s) {
   const std::unique_ptr<EmulatedServo> servo = make_servo(options);
   const std::unique_ptr<ServoLine> line = make_servo_line(options);
   say(fmt::format("{}: {} number {}", options.cia402 ? options.can : options.pty,
-                  options.cia402 ? "CiA 402 drive" : "Dynamixel XM430-W350", options.id));
+                  options.cia402 ? "CiA 402 drive" : "Dynamixel " + options.model, options.id));
   LoopedServo looped(*servo, *line);
   const std::array<LoopedDevice*, 1> devices{&looped};
   serve_devices(devices, duration_ns(duration_s), false);
@@ -60,7 +68,12 @@ std::unique_ptr<EmulatedServo> make_servo(const EmulateServoOptions& options) {
     device.faults = servo_faults(options.faults);
     return std::make_unique<Cia402Device>(std::move(device), monotonic_ns());
   }
+  const DynamixelModel* const model = find_dynamixel_model(options.model);
+  if (model == nullptr) {
+    throw UsageError(fmt::format("--model {}: no Dynamixel of that name; expected {}", options.model, model_names()));
+  }
   DynamixelDeviceOptions device;
+  device.model = model->name;
   device.id = options.id;
   device.start_rad = radians(options.start_deg);
   device.echoes = options.echoes;
@@ -78,7 +91,8 @@ void add_emulate_servo(CLI::App& emulate) {
   auto duration_s = std::make_shared<double>(0.0);  // 0: for ever
   CLI::App* const command = emulate.add_subcommand("servo", "A servo that tilts the laser, until it is stopped");
   command->add_flag("--cia402", options->cia402, "A CANopen drive (CiA 402)");
-  command->add_flag("--dynamixel", options->dynamixel, "A Dynamixel of the X series (Protocol 2.0)");
+  command->add_flag("--dynamixel", options->dynamixel, "A Dynamixel of the X or P series (Protocol 2.0)");
+  command->add_option("--model", options->model, "Dynamixel: xm430-w350 or ph54-200-s500")->capture_default_str();
   command->add_option("--can", options->can, "CAN interface to be on");
   command->add_option("--pty", options->pty, "Link to make to the line's end for the client");
   command->add_option("--log", options->log, "File for all frames on the CAN interface (candump -L)");

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/base/check.hpp"
 #include "drivers/tilt/dynamixel/control_table.hpp"
 
 namespace odoless {
@@ -13,21 +14,27 @@ namespace {
 
 constexpr std::int64_t kTickNs = 1'000'000;
 constexpr std::int64_t kRebootNs = 300'000'000;
-constexpr double kFastCounts = 20'000.0;  ///< without a profile, per second
-constexpr double kFastSlope = 400'000.0;
+constexpr double kFastRadps = 30.0;  ///< without a profile
+constexpr double kFastRadps2 = 600.0;
 constexpr double kFarCounts = 1e9;  ///< further than it ever comes
 
 constexpr std::array<int, 8> kBauds{9600, 57600, 115200, 1'000'000, 2'000'000, 3'000'000, 4'000'000, 4'500'000};
 constexpr std::uint8_t kWatchdogTripped = 0xFF;
-constexpr int kFirstGoal = 100;
-constexpr double kCountsPerRad = dynamixel::kCountsPerTurn / (2.0 * std::numbers::pi);
+constexpr std::uint16_t kFirstGoal = 100;
+
+const DynamixelModel& model_of(std::string_view name) {
+  const DynamixelModel* const model = find_dynamixel_model(name);
+  ODOLESS_CHECK(model != nullptr);
+  return *model;
+}
 
 }  // namespace
 
 DynamixelDevice::DynamixelDevice(DynamixelDeviceOptions options, std::int64_t now_ns)
     : options_(std::move(options)),
       time_(options_.faults, now_ns),
-      motor_(dynamixel::kCentreCounts + options_.start_rad * kCountsPerRad),
+      table_(model_of(options_.model)),
+      motor_(layout().centre_counts + options_.start_rad * counts_per_rad()),
       last_tick_ns_(now_ns) {
   table_.set(DynamixelTable::kId, static_cast<std::uint32_t>(options_.id), 1);
   table_.set(dynamixel::kOperatingMode, options_.mode, 1);
@@ -46,11 +53,13 @@ void DynamixelDevice::power_up(std::int64_t now_ns) {
   silent_until_ns_ = now_ns + kRebootNs;
 }
 
+double DynamixelDevice::counts_per_rad() const { return layout().counts_per_turn / (2.0 * std::numbers::pi); }
+
 double DynamixelDevice::angle_rad() const {
-  return (motor_.position_counts() - dynamixel::kCentreCounts) / kCountsPerRad;
+  return (motor_.position_counts() - layout().centre_counts) / counts_per_rad();
 }
 
-double DynamixelDevice::velocity_radps() const { return motor_.velocity_counts_per_s() / kCountsPerRad; }
+double DynamixelDevice::velocity_radps() const { return motor_.velocity_counts_per_s() / counts_per_rad(); }
 
 int DynamixelDevice::level() const { return static_cast<int>(table_.get(dynamixel::kStatusReturnLevel, 1)); }
 
@@ -93,7 +102,9 @@ DynamixelError DynamixelDevice::write(std::span<const std::uint8_t> address_and_
   }
   const auto first = static_cast<std::uint16_t>(address_and_data[0] + 256 * address_and_data[1]);
   const std::span<const std::uint8_t> data = address_and_data.subspan(2);
-  const auto meets = [&](int begin, int end) { return first < end && first + static_cast<int>(data.size()) > begin; };
+  const auto meets = [&](std::uint16_t begin, std::uint16_t end) {
+    return first < layout().address(end) && first + static_cast<int>(data.size()) > layout().address(begin);
+  };
   const bool has_goal =
       meets(kFirstGoal, dynamixel::kProfile) || meets(dynamixel::kGoalPosition, dynamixel::kRealtimeTick);
   if (has_goal && table_.get(dynamixel::kBusWatchdog, 1) == kWatchdogTripped) {
@@ -104,7 +115,7 @@ DynamixelError DynamixelDevice::write(std::span<const std::uint8_t> address_and_
   }
   const bool had_torque = has_torque();
   const std::vector<std::uint16_t> addresses = table_.write(first, data);
-  const bool is_kept = std::ranges::any_of(addresses, [](auto at) { return at < DynamixelTable::kFirstLost; });
+  const bool is_kept = std::ranges::any_of(addresses, [&](auto at) { return !table_.is_lost(at); });
   kept_writes_ += is_kept ? 1 : 0;
   if (has_torque() != had_torque) {
     motor_.halt();
@@ -115,7 +126,9 @@ DynamixelError DynamixelDevice::write(std::span<const std::uint8_t> address_and_
 }
 
 void DynamixelDevice::on_written(std::span<const std::uint16_t> addresses) {
-  const auto has = [&](std::uint16_t address) { return std::ranges::find(addresses, address) != addresses.end(); };
+  const auto has = [&](std::uint16_t address) {
+    return std::ranges::find(addresses, layout().address(address)) != addresses.end();
+  };
   const bool moves = has(dynamixel::kGoalPosition) || has(DynamixelTable::kGoalVelocity);
   if (moves && has_torque()) {
     follow_goal();
@@ -124,15 +137,17 @@ void DynamixelDevice::on_written(std::span<const std::uint16_t> addresses) {
 
 void DynamixelDevice::follow_goal() {
   const double slope_counts_per_s2 =
-      table_.get(dynamixel::kProfile, 4) * dynamixel::kAccelerationUnitRadps2 * kCountsPerRad;
-  const double speed_counts_per_s = table_.get(dynamixel::kProfile + 4, 4) * dynamixel::kSpeedUnitRadps * kCountsPerRad;
-  const double slope = slope_counts_per_s2 == 0.0 ? kFastSlope : slope_counts_per_s2;
+      table_.get(dynamixel::kProfile, 4) * layout().acceleration_unit_radps2 * counts_per_rad();
+  const double speed_counts_per_s =
+      table_.get(dynamixel::kProfile + 4, 4) * layout().speed_unit_radps * counts_per_rad();
+  const double slope = slope_counts_per_s2 == 0.0 ? kFastRadps2 * counts_per_rad() : slope_counts_per_s2;
   const std::uint32_t mode = table_.get(dynamixel::kOperatingMode, 1);
   if (mode == dynamixel::kPositionControl || mode == DynamixelTable::kExtendedPositionMode) {
-    motor_.set_profile(speed_counts_per_s == 0.0 ? kFastCounts : speed_counts_per_s, slope);
+    motor_.set_profile(speed_counts_per_s == 0.0 ? kFastRadps * counts_per_rad() : speed_counts_per_s, slope);
     motor_.go_to(table_.get_signed(dynamixel::kGoalPosition) + options_.sag_counts);
   } else if (mode == DynamixelTable::kVelocityMode) {
-    const double wished = table_.get_signed(DynamixelTable::kGoalVelocity) * dynamixel::kSpeedUnitRadps * kCountsPerRad;
+    const double wished =
+        table_.get_signed(DynamixelTable::kGoalVelocity) * layout().speed_unit_radps * counts_per_rad();
     motor_.set_profile(std::abs(wished), slope);
     if (wished == 0.0) {
       motor_.stop(slope);
@@ -170,8 +185,8 @@ DynamixelError DynamixelDevice::clear(std::span<const std::uint8_t> parameters) 
   if (motor_.velocity_counts_per_s() != 0.0) {
     return DynamixelError::kResultFail;
   }
-  const double turns = std::floor(motor_.position_counts() / dynamixel::kCountsPerTurn);
-  motor_.rename(motor_.position_counts() - turns * dynamixel::kCountsPerTurn);
+  const double turns = std::floor(motor_.position_counts() / layout().counts_per_turn);
+  motor_.rename(motor_.position_counts() - turns * layout().counts_per_turn);
   return DynamixelError::kNone;
 }
 
@@ -185,7 +200,7 @@ bool DynamixelDevice::factory_reset(std::uint8_t what, bool to_all) {
   }
   const auto old_id = static_cast<std::uint32_t>(id());
   const std::uint32_t old_baud = table_.get(DynamixelTable::kBaud, 1);
-  table_ = DynamixelTable();
+  table_ = DynamixelTable(table_.model());
   if (what != kAll) {
     table_.set(DynamixelTable::kId, old_id, 1);
   }
@@ -215,7 +230,7 @@ void DynamixelDevice::follow_watchdog() {
   const std::uint32_t units = table_.get(dynamixel::kBusWatchdog, 1);
   if (units != 0 && units != kWatchdogTripped && has_torque() && now_s_ - heard_s_ > units * 0.02) {
     table_.set(dynamixel::kBusWatchdog, kWatchdogTripped, 1);
-    motor_.stop(kFastSlope);
+    motor_.stop(kFastRadps2 * counts_per_rad());
   }
 }
 
@@ -227,7 +242,7 @@ void DynamixelDevice::tick(std::int64_t now_ns) {
   follow_watchdog();
   motor_.advance(elapsed_s);
   if (!has_torque() && options_.droop_radps != 0.0) {
-    motor_.push(options_.droop_radps * kCountsPerRad * elapsed_s);
+    motor_.push(options_.droop_radps * counts_per_rad() * elapsed_s);
   }
   while (!answers_.empty() && answers_.front().due_ns <= now_ns) {
     if (!is_silent(now_ns)) {
@@ -251,7 +266,7 @@ void DynamixelDevice::refresh() {
   };
   table_.set(dynamixel::kRealtimeTick, static_cast<std::uint32_t>(tick_ms), 2);
   table_.set(dynamixel::kRealtimeTick + 2, motor_.velocity_counts_per_s() == 0.0 ? 0 : 1, 1);
-  table_.set(dynamixel::kPresentVelocity, rounded(velocity_radps() / dynamixel::kSpeedUnitRadps), 4);
+  table_.set(dynamixel::kPresentVelocity, rounded(velocity_radps() / layout().speed_unit_radps), 4);
   table_.set(dynamixel::kPresentPosition, rounded(motor_.position_counts()), 4);
 }
 

@@ -12,6 +12,7 @@
 namespace odoless {
 
 struct DynamixelDeviceOptions {
+  std::string_view model = "xm430-w350";
   int id = 1;
   double start_rad = 0.2;    ///< from its centre
   double sag_counts = 0.0;   ///< rests that far from its goal, as under a load
@@ -23,7 +24,7 @@ struct DynamixelDeviceOptions {
   std::vector<Fault> faults;  ///< silence, wrong-sum, reboot, drift, stall, error (bits of the hardware error)
 };
 
-/// A Dynamixel of the X series, alone on its bus: every instruction of Protocol 2.0 but the backup's, to itself and to
+/// A Dynamixel, alone on its bus: every instruction of Protocol 2.0 but the backup's, to itself and to
 /// all, on its control table; position and velocity control with profiles, torque, limits, memory that is kept and can
 /// be written without torque only, watchdog of the bus, hardware errors. At a line rate other than its own it hears and
 /// says nothing that makes sense.
@@ -39,7 +40,7 @@ class DynamixelDevice final : public EmulatedServo {
   [[nodiscard]] double velocity_radps() const override;
   void set_line_baud(int baud) override { line_baud_ = baud; }
 
-  /// What is in the control table.
+  /// What is in the control table, at an address of the X series.
   [[nodiscard]] std::uint32_t get(std::uint16_t address, int size_bytes) const {
     return table_.get(address, size_bytes);
   }
@@ -89,6 +90,8 @@ class DynamixelDevice final : public EmulatedServo {
   [[nodiscard]] bool has_torque() const;
   [[nodiscard]] bool is_silent(std::int64_t now_ns) const;
   [[nodiscard]] bool line_is_right() const;
+  [[nodiscard]] const dynamixel::ControlTable& layout() const { return table_.model().layout; }
+  [[nodiscard]] double counts_per_rad() const;
 
   DynamixelDeviceOptions options_;
   ServoTime time_;

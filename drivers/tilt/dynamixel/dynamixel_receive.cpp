@@ -72,6 +72,8 @@ void DynamixelSession::on_answer(const Packet& packet, std::int64_t arrival_ns, 
     return begin_end(arrival_ns);
   }
   switch (step_) {
+    case Step::kPing:
+      return on_found(packet, arrival_ns, sink);
     case Step::kCheckHealth:
     case Step::kPollHealth:
       return on_health(packet, arrival_ns, sink);
@@ -101,6 +103,17 @@ void DynamixelSession::on_answer(const Packet& packet, std::int64_t arrival_ns, 
     default:
       return enter(static_cast<Step>(static_cast<int>(step_) + 1), arrival_ns);
   }
+}
+
+void DynamixelSession::on_found(const Packet& packet, std::int64_t now_ns, TiltSink& sink) {
+  const std::uint32_t model_number = packet.get(0, 2);
+  const std::optional<dynamixel::ControlTable> table = dynamixel::control_table(model_number);
+  if (!table) {
+    counters_.tell_device_error(TiltError::kModel, model_number, sink);
+    return give_up(Errc::kWrongDevice, kFaultPauseMaxNs, now_ns, sink);
+  }
+  use(*table);
+  enter(Step::kAnswerAll, now_ns);
 }
 
 void DynamixelSession::on_settings(const Packet& packet, std::int64_t now_ns) {
@@ -151,11 +164,10 @@ void DynamixelSession::on_motion(const Packet& packet, std::int64_t arrival_ns, 
   const std::int64_t on_the_line_ns =
       params_.baud == 0 ? 0
                         : static_cast<std::int64_t>(reader_.raw().size()) * kBitsPerByte * 1'000'000'000 / params_.baud;
-  const TiltSample sample{
-      .stamp_ns = std::max(arrival_ns - on_the_line_ns, std::min(asked_ns_, arrival_ns)),
-      .arrival_ns = arrival_ns,
-      .angle_rad = scale_.angle_rad(position),
-      .velocity_radps = (params_.inverted ? -1.0 : 1.0) * raw_velocity * dynamixel::kSpeedUnitRadps};
+  const TiltSample sample{.stamp_ns = std::max(arrival_ns - on_the_line_ns, std::min(asked_ns_, arrival_ns)),
+                          .arrival_ns = arrival_ns,
+                          .angle_rad = scale_.angle_rad(position),
+                          .velocity_radps = (params_.inverted ? -1.0 : 1.0) * raw_velocity * table_.speed_unit_radps};
   if (sample.stamp_ns <= last_stamp_ns_ || !gate_.passes(sample.stamp_ns, sample.angle_rad)) {
     counters_.reject(sample.stamp_ns <= last_stamp_ns_ ? Errc::kImplausibleStamp : Errc::kImplausibleAngle, sink);
     go_on(arrival_ns);

@@ -19,8 +19,8 @@ constexpr int kTries = 3;
 constexpr int kPollsPerHealth = 10;
 constexpr std::int64_t kWatchdogUnitNs = 20'000'000;
 
-std::uint32_t profile_units(double value, double unit) {
-  return static_cast<std::uint32_t>(std::clamp(std::round(value / unit), 1.0, double{dynamixel::kProfileMax}));
+std::uint32_t profile_units(double value, double unit, std::uint32_t most) {
+  return static_cast<std::uint32_t>(std::clamp(std::round(value / unit), 1.0, std::max(1.0, static_cast<double>(most))));
 }
 
 std::uint32_t watchdog_units(const TiltParams& params) {
@@ -28,20 +28,25 @@ std::uint32_t watchdog_units(const TiltParams& params) {
   return static_cast<std::uint32_t>(std::clamp<std::int64_t>(timeout_ns / kWatchdogUnitNs, 1, 127));
 }
 
-std::int32_t clamp_position(std::int32_t counts) {
-  return std::clamp(counts, 0, static_cast<std::int32_t>(dynamixel::kCountsPerTurn) - 1);
-}
-
 }  // namespace
 
 DynamixelSession::DynamixelSession(const TiltParams& params)
     : params_(params),
-      scale_(params, dynamixel::kCountsPerTurn, dynamixel::kCentreCounts),
+      scale_(params, table_.counts_per_turn, table_.centre_counts),
       motion_(params),
       gate_(2.0 * params.speed_radps + 2.0),
       fault_pause_ns_(kPauseNs) {
-  std::tie(low_counts_, high_counts_) = std::minmax({clamp_position(scale_.position_counts(params.limit_min_rad)),
-                                                     clamp_position(scale_.position_counts(params.limit_max_rad))});
+  use(table_);
+}
+
+void DynamixelSession::use(const dynamixel::ControlTable& table) {
+  table_ = table;
+  scale_ = TiltScale(params_, table.counts_per_turn, table.centre_counts);
+  const auto limit_counts = [&](double limit_rad) {
+    return std::clamp(scale_.position_counts(limit_rad), table.position_min(), table.position_max());
+  };
+  std::tie(low_counts_, high_counts_) =
+      std::minmax({limit_counts(params_.limit_min_rad), limit_counts(params_.limit_max_rad)});
 }
 
 void DynamixelSession::reset(std::int64_t now_ns) {
@@ -97,7 +102,8 @@ void DynamixelSession::ask(Instruction instruction, std::span<const std::uint8_t
   to_be_sent_ = true;
 }
 
-void DynamixelSession::read(std::uint16_t address, std::uint16_t size_bytes, std::int64_t now_ns) {
+void DynamixelSession::read(std::uint16_t address_in_x, std::uint16_t size_bytes, std::int64_t now_ns) {
+  const std::uint16_t address = table_.address(address_in_x);
   const std::array<std::uint8_t, 4> parameters{
       static_cast<std::uint8_t>(address & 0xFFU), static_cast<std::uint8_t>(address >> 8U),
       static_cast<std::uint8_t>(size_bytes & 0xFFU), static_cast<std::uint8_t>(size_bytes >> 8U)};
@@ -105,8 +111,9 @@ void DynamixelSession::read(std::uint16_t address, std::uint16_t size_bytes, std
   asked_address_ = address;
 }
 
-void DynamixelSession::write(std::uint16_t address, std::span<const std::uint32_t> values, std::size_t value_bytes,
+void DynamixelSession::write(std::uint16_t address_in_x, std::span<const std::uint32_t> values, std::size_t value_bytes,
                              std::int64_t now_ns) {
+  const std::uint16_t address = table_.address(address_in_x);
   std::array<std::uint8_t, 16> parameters{static_cast<std::uint8_t>(address & 0xFFU),
                                           static_cast<std::uint8_t>(address >> 8U)};
   std::size_t count = 2;
@@ -126,8 +133,10 @@ void DynamixelSession::write_goal(bool is_stop, std::int64_t now_ns) {
   goal_counts_ = is_stop ? std::clamp(position_counts_, low_counts_, high_counts_) : wished_counts();
   const bool at_once = is_stop && goal_counts_ == position_counts_;
   const std::array<std::uint32_t, 3> values{
-      at_once ? 0 : profile_units(params_.acceleration_radps2, dynamixel::kAccelerationUnitRadps2),
-      at_once ? 0 : profile_units(params_.speed_radps, dynamixel::kSpeedUnitRadps),
+      at_once ? 0
+              : profile_units(params_.acceleration_radps2, table_.acceleration_unit_radps2,
+                              profile_max(dynamixel::kAccelerationLimit)),
+      at_once ? 0 : profile_units(params_.speed_radps, table_.speed_unit_radps, profile_max(dynamixel::kVelocityLimit)),
       static_cast<std::uint32_t>(*goal_counts_)};
   write(dynamixel::kProfile, values, 4, now_ns);
 }
@@ -187,16 +196,21 @@ void DynamixelSession::enter(Step step, std::int64_t now_ns) {
   }
 }
 
+std::uint32_t DynamixelSession::setting(std::uint16_t address, int size_bytes) const {
+  std::uint32_t value = 0;
+  for (int i = size_bytes - 1; i >= 0; --i) {
+    value = value << 8U | settings_[static_cast<std::size_t>(address - dynamixel::kSettingsFirst + i)];
+  }
+  return value;
+}
+
+std::uint32_t DynamixelSession::profile_max(std::uint16_t limit_address) const {
+  return table_.limits_profile ? setting(limit_address, 4) : dynamixel::kProfileMax;
+}
+
 // From kReturnDelay on: the first of these that differs is written, and then the next looked for.
 void DynamixelSession::next_setting(std::int64_t now_ns) {
-  const auto have = [&](std::uint16_t address) -> std::uint8_t {
-    return settings_[static_cast<std::size_t>(address - dynamixel::kSettingsFirst)];
-  };
-  const auto have4 = [&](std::uint16_t address) {
-    return have(address) + 256U * (have(static_cast<std::uint16_t>(address + 1)) +
-                                   256U * (have(static_cast<std::uint16_t>(address + 2)) +
-                                           256U * have(static_cast<std::uint16_t>(address + 3))));
-  };
+  const auto have = [&](std::uint16_t address) { return setting(address, 1); };
   if (step_ == Step::kReturnDelay) {
     const std::uint32_t mode_bits = have(dynamixel::kDriveMode) & ~std::uint32_t{dynamixel::kTimeBasedProfile};
     if (have(dynamixel::kReturnDelay) != 0 || have(dynamixel::kDriveMode) != mode_bits) {
@@ -214,7 +228,7 @@ void DynamixelSession::next_setting(std::int64_t now_ns) {
   }
   const std::array<std::uint32_t, 2> limits{static_cast<std::uint32_t>(high_counts_),
                                             static_cast<std::uint32_t>(low_counts_)};
-  if (have4(dynamixel::kPositionMax) != limits[0] || have4(dynamixel::kPositionMin) != limits[1]) {
+  if (setting(dynamixel::kPositionMax, 4) != limits[0] || setting(dynamixel::kPositionMin, 4) != limits[1]) {
     return write(dynamixel::kPositionMax, limits, 4, now_ns);
   }
   enter(Step::kClearWatchdog, now_ns);

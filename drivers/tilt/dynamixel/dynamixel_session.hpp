@@ -14,9 +14,9 @@
 
 namespace odoless {
 
-/// A Dynamixel of the X series in position control mode, Protocol 2.0:
+/// A Dynamixel of the X or P series in position control mode, Protocol 2.0:
 ///
-///   1. ping; all instructions are to be answered;
+///   1. ping, which tells the model and so its control table; all instructions are to be answered;
 ///   2. a hardware error is told, and cleared by a reboot;
 ///   3. what is kept in the servo (return delay, mode, limits) is written only where it differs: that memory wears out;
 ///   4. goal = where it is, or the limit next to it, torque on, its own watchdog of the bus on;
@@ -70,8 +70,12 @@ class DynamixelSession final : public TiltSession {
   void enter(Step step, std::int64_t now_ns);
   void ask(dynamixel::Instruction instruction, std::span<const std::uint8_t> parameters, std::size_t answer_bytes,
            std::int64_t now_ns);
-  void read(std::uint16_t address, std::uint16_t size_bytes, std::int64_t now_ns);
-  void write(std::uint16_t address, std::span<const std::uint32_t> values, std::size_t value_bytes,
+  void use(const dynamixel::ControlTable& table);
+  /// What the servo keeps at `address`, as it was read.
+  [[nodiscard]] std::uint32_t setting(std::uint16_t address, int size_bytes) const;
+  [[nodiscard]] std::uint32_t profile_max(std::uint16_t limit_address) const;
+  void read(std::uint16_t address_in_x, std::uint16_t size_bytes, std::int64_t now_ns);
+  void write(std::uint16_t address_in_x, std::span<const std::uint32_t> values, std::size_t value_bytes,
              std::int64_t now_ns);
   void write_goal(bool is_stop, std::int64_t now_ns);
   [[nodiscard]] std::int32_t wished_counts() const;
@@ -80,6 +84,7 @@ class DynamixelSession final : public TiltSession {
 
   void on_packet(std::int64_t arrival_ns, TiltSink& sink);
   void on_answer(const dynamixel::Packet& packet, std::int64_t arrival_ns, TiltSink& sink);
+  void on_found(const dynamixel::Packet& packet, std::int64_t now_ns, TiltSink& sink);
   void on_settings(const dynamixel::Packet& packet, std::int64_t now_ns);
   void next_setting(std::int64_t now_ns);
   void on_motion(const dynamixel::Packet& packet, std::int64_t arrival_ns, TiltSink& sink);
@@ -93,6 +98,7 @@ class DynamixelSession final : public TiltSession {
   [[nodiscard]] bool runs() const { return step_ >= Step::kRun && step_ < Step::kPause; }
 
   TiltParams params_;
+  dynamixel::ControlTable table_;  ///< of the model that answered the ping
   TiltScale scale_;
   std::int32_t low_counts_ = 0;  ///< its limits
   std::int32_t high_counts_ = 0;
