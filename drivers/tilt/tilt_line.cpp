@@ -7,6 +7,7 @@
 #include "drivers/io/socket_can.hpp"
 #include "drivers/tilt/cia402/cia402_session.hpp"
 #include "drivers/tilt/dynamixel/dynamixel_session.hpp"
+#include "drivers/tilt/maestro/maestro_session.hpp"
 
 namespace odoless {
 namespace {
@@ -31,6 +32,8 @@ std::unique_ptr<TiltSession> make_tilt_session(const TiltParams& params) {
       return std::make_unique<Cia402Session>(params);
     case TiltDriver::kDynamixel:
       return std::make_unique<DynamixelSession>(params);
+    case TiltDriver::kMaestro:
+      return std::make_unique<MaestroSession>(params);
     case TiltDriver::kNone:
       break;
   }

@@ -11,9 +11,10 @@ namespace odoless {
 enum class TiltDriver : std::uint8_t {
   kNone,       ///< the laser is fixed
   kCia402,     ///< CANopen drive (CiA 301, 402) on SocketCAN
-  kDynamixel,  ///< Dynamixel X series, Protocol 2.0, on a serial line
+  kDynamixel,  ///< Dynamixel of the X or P series, Protocol 2.0, on a serial line
+  kMaestro,    ///< RC servo at a Pololu Maestro, compact protocol, on a serial line or USB
 };
-inline constexpr const char* kTiltDriverNames[] = {"none", "cia402", "dynamixel"};
+inline constexpr const char* kTiltDriverNames[] = {"none", "cia402", "dynamixel", "maestro"};
 
 /// What a servo is told to do.
 enum class TiltCommand : std::uint8_t {
@@ -56,27 +57,33 @@ struct TiltParams {
   int master_id = 127;
   int counts_per_turn = 65'536;
   double speed_units_per_count = 1.0;
+  bool cyclic_position = false;
   int homing_method = 0;
   double homing_speed_radps = 0.17453292519943295;
   std::int64_t homing_timeout_ns = 20'000'000'000;
+  int channel = 0;
+  double pulse_centre_us = 1500.0;
+  double pulse_turn_us = 4000.0;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     constexpr double kHalfTurnRad = 3.1416;
     visit.choice("driver", self.driver, kTiltDriverNames, "Protocol of the servo that tilts the laser; none: fixed.");
-    visit.text("device", self.device, "CAN interface (cia402) or path of the serial line (dynamixel).");
+    visit.text("device", self.device, "CAN interface (cia402) or path of the serial line (the others).");
     visit.value("id", self.id, Range{1, 127}, "The servo's number on its bus.");
-    visit.value("baud", self.baud, Range{0, 4'500'000}, "dynamixel: rate of the serial line; 0 for one without.");
+    visit.value("baud", self.baud, Range{0, 4'500'000},
+                "Rate of the serial line; 0 for one without (dynamixel, maestro).");
     visit.choice("at_start", self.at_start, kTiltCommandNames, "What the servo does from the start on.");
     visit.choice("at_end", self.at_end, kTiltEndNames,
                  "How the servo is left when the daemon ends: stopped where it is, sent to the level pose, or without "
                  "torque (then the laser may sink). While the emergency stop is pressed, hold.");
     visit.value("level_angle_rad", self.level_angle_rad, Range{-kHalfTurnRad, kHalfTurnRad},
-                "The servo's own angle at which the laser's plane is level; dynamixel: from its centre (2048).");
+                "The servo's own angle at which the laser's plane is level; dynamixel, maestro: from its centre.");
     visit.flag("inverted", self.inverted, "Whether the servo's angle grows when the laser tilts up.");
     describe_motion(self, visit);
     describe_times(self, visit);
     describe_cia402(self, visit);
+    describe_maestro(self, visit);
   }
 
  private:
@@ -119,6 +126,9 @@ struct TiltParams {
                 "cia402: position units in a full turn of the laser, gears included.");
     visit.value("speed_units_per_count", self.speed_units_per_count, Range{1e-6, 1e6},
                 "cia402: the drive's units of speed for one position unit per second; of acceleration likewise.");
+    visit.flag("cyclic_position", self.cyclic_position,
+               "cia402: whether the drive is given a place on its way at each SYNC (cyclic synchronous position); else "
+               "it makes its way to the end by itself (profile position).");
     visit.value(
         "homing_method", self.homing_method, Range{-128, 127},
         "cia402: method by which the drive finds its zero, once after each of its power-ups (6098h); 0: none is "
@@ -126,6 +136,15 @@ struct TiltParams {
     visit.value("homing_speed_radps", self.homing_speed_radps, Range{0.001, 10.0}, "cia402: speed of homing.");
     visit.value("homing_timeout_ns", self.homing_timeout_ns, Range<std::int64_t>{100'000'000, 600'000'000'000},
                 "cia402: longest homing.");
+  }
+
+  template <class Self, class Visitor>
+  static void describe_maestro(Self& self, Visitor& visit) {
+    visit.value("channel", self.channel, Range{0, 23}, "maestro: where the servo is plugged in.");
+    visit.value("pulse_centre_us", self.pulse_centre_us, Range{500.0, 2500.0},
+                "maestro: the pulse at the servo's centre.");
+    visit.value("pulse_turn_us", self.pulse_turn_us, Range{500.0, 20'000.0},
+                "maestro: by how much the pulse would change for a full turn of the laser, gears included.");
   }
 };
 

@@ -45,8 +45,9 @@ enum class TiltLack : std::uint8_t {
   kHoldAfterStop,      ///< keep its torque once it is stopped
   kLimits,             ///< keep its limits
   kHeartbeat,          ///< tell that it lives
+  kMeasurement,        ///< measure its angle: it tells what it was told
 };
-inline constexpr std::size_t kTiltLacks = 5;
+inline constexpr std::size_t kTiltLacks = 6;
 
 /// How a servo told an error, which says what its `code` means.
 enum class TiltError : std::uint8_t {
@@ -59,8 +60,9 @@ enum class TiltError : std::uint8_t {
   kErrorNumber,  ///< Dynamixel: it refuses what was asked of `object`; the error of its answer
   kHardware,     ///< Dynamixel: bits of its hardware error status
   kModel,        ///< Dynamixel: the number of a model whose control table is another
+  kErrorFlags,   ///< Maestro: bits of its errors
 };
-inline constexpr std::size_t kTiltErrors = 9;
+inline constexpr std::size_t kTiltErrors = 10;
 
 struct TiltEvent {
   TiltEventType type = TiltEventType::kReady;

@@ -55,7 +55,10 @@ constexpr std::array<EventText, kTiltLacks> kLackTexts{
     "own settings",
     "tilt servo: it does not hold after a stop (it refuses 605Ah): without a brake the laser may sink then",
     "tilt servo: it keeps no limits by itself (it refuses 607Dh): only the daemon does",
-    "tilt servo: it sends no heartbeat (it refuses 1017h): its answers to SYNC alone tell that it lives"};
+    "tilt servo: it sends no heartbeat (it refuses 1017h): its answers to SYNC alone tell that it lives",
+    "tilt servo: it tells where it was sent, not where it is: that it is blocked or pushed away is not seen, and "
+    "should "
+    "the daemon die, it ends the move that it is at"};
 
 /// Errors of a status packet, e-Manual of Protocol 2.0, 5.3; the number is the address.
 constexpr std::array<CodeText, 7> kErrorNumberTexts{{
@@ -63,7 +66,7 @@ constexpr std::array<CodeText, 7> kErrorNumberTexts{{
     {2, "tilt servo: it does not know an instruction (address {})"},
     {3, "tilt servo: what it was asked at address {} came with a wrong check sum"},
     {4, "tilt servo: it refuses address {}: the value is out of its range (does [tilt] ask too much of it?)"},
-    {5, "tilt servo: it refuses address {}: wrong length (is it a servo of the X series?)"},
+    {5, "tilt servo: it refuses address {}: wrong length (is it a servo of the X or P series?)"},
     {6, "tilt servo: it refuses address {}: the value is beyond its own limits (does [tilt] ask too much of it?)"},
     {7, "tilt servo: it refuses address {}: it can only be read, or not be written with torque on"},
 }};
@@ -123,6 +126,11 @@ TiltEventText error_text(const TiltEvent& event) {
           "tilt servo: it is a Dynamixel of model number {}, whose control table is another than those of the X and P "
           "series that this driver knows",
           event.code};
+    case TiltError::kErrorFlags:
+      return {EventPriority::kError,
+              "tilt servo: its Maestro reports error {:04X}h, the sum of 1 signal, 2 overrun, 4 full, 8 check sum, 10h "
+              "protocol, 20h timeout, 40h to 100h script",
+              event.code};
     case TiltError::kNone:
       break;
   }

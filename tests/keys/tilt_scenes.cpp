@@ -12,6 +12,7 @@
 #include "tests/keys/transcript.hpp"
 #include "tools/emulate/cia402_device.hpp"
 #include "tools/emulate/dynamixel_device.hpp"
+#include "tools/emulate/maestro_device.hpp"
 
 namespace odoless::test {
 namespace {
@@ -27,6 +28,12 @@ std::unique_ptr<EmulatedServo> servo_of(TiltDriver driver, const std::vector<Fau
     options.faults = faults;
     options.home_rad = -0.4;
     return std::make_unique<Cia402Device>(options, kStart_ns);
+  }
+  if (driver == TiltDriver::kMaestro) {
+    MaestroDeviceOptions options;
+    options.is_on = true;
+    options.faults = faults;
+    return std::make_unique<MaestroDevice>(options, kStart_ns);
   }
   DynamixelDeviceOptions options;
   options.start_rad = 0.2;
@@ -92,6 +99,8 @@ std::vector<Scene> scenes() {
           servo_with("dynamixel", "driver = \"dynamixel\"\n" + wide),
           servo_with("cia402", "driver = \"cia402\"\n" + wide),
           servo_with("cia402 homing", "driver = \"cia402\"\nhoming_method = 17\n"),
+          servo_with("cia402 cyclic", "driver = \"cia402\"\ncyclic_position = true\n" + wide),
+          servo_with("maestro", "driver = \"maestro\"\n" + wide),
           servo_with("dynamixel silent", "driver = \"dynamixel\"\n", "silence@1:20"),
           servo_with("dynamixel jammed", "driver = \"dynamixel\"\n" + wide, "stall@1:20")};
 }

@@ -294,11 +294,13 @@ TEST_F(EmulatedDrive, DoesWhatTheAbortConnectionOptionSays) {
 }
 
 TEST_F(EmulatedDrive, SaysWhichModesItHasAndTakesNoOther) {
-  EXPECT_EQ(read({0x6502, 0}), 0x21U) << "profile position and homing";
+  EXPECT_EQ(read({0x6502, 0}), 0xA1U) << "profile position, homing, cyclic synchronous position";
   EXPECT_EQ(write({0x6060, 0}, 100, 1), 0x06090030U);
   EXPECT_EQ(write({0x6060, 0}, 3, 1), 0x06090030U);
-  EXPECT_EQ(write({0x6060, 0}, 6, 1), 0U);
-  EXPECT_EQ(read({0x6061, 0}), 6U);
+  for (const std::uint32_t mode : {8U, 6U}) {
+    EXPECT_EQ(write({0x6060, 0}, mode, 1), 0U);
+    EXPECT_EQ(read({0x6061, 0}), mode);
+  }
   EXPECT_EQ(write({0x605A, 0}, 4, 2), 0x06090030U);
 }
 

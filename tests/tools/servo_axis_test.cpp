@@ -15,7 +15,7 @@ using test::ServoBench;
 
 constexpr double kResolutionRad = 0.0016;  ///< 4096 steps per turn
 
-class TiltAxis : public ::testing::TestWithParam<TiltDriver> {
+class TiltAxis : public ::testing::TestWithParam<test::TestedServo> {
  protected:
   [[nodiscard]] static TiltParams params(TiltCommand at_start = TiltCommand::kLevel) {
     TiltParams params = test::servo_params(GetParam());
@@ -100,10 +100,8 @@ TEST_P(TiltAxis, SlowOrGentleMotionIsNoStallAndARealOneIsToldAllTheSame) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, TiltAxis, ::testing::Values(TiltDriver::kCia402, TiltDriver::kDynamixel),
-                         [](const auto& tested) {
-                           return std::string(kTiltDriverNames[static_cast<std::size_t>(tested.param)]);
-                         });
+INSTANTIATE_TEST_SUITE_P(Servos, TiltAxis, ::testing::ValuesIn(test::kTestedServos),
+                         [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
 }  // namespace odoless

@@ -12,10 +12,6 @@
 
 namespace odoless {
 
-static void PrintTo(TiltDriver driver, std::ostream* out) {
-  *out << kTiltDriverNames[static_cast<std::size_t>(driver)];
-}
-
 namespace {
 
 using test::kServoMs;
@@ -27,7 +23,7 @@ constexpr double kResolutionRad = 0.0016;  ///< 4096 steps per turn
 
 std::vector<Fault> faults_of(const std::string& text) { return {parse_fault(text)}; }
 
-class TiltContract : public ::testing::TestWithParam<TiltDriver> {
+class TiltContract : public ::testing::TestWithParam<test::TestedServo> {
  protected:
   [[nodiscard]] static TiltParams params(TiltCommand at_start = TiltCommand::kLevel) {
     TiltParams params = servo_params(GetParam());
@@ -342,10 +338,8 @@ TEST_P(TiltContract, NothingIsAllocatedAfterConstruction) {
   EXPECT_GT(counter.events, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, TiltContract, ::testing::Values(TiltDriver::kCia402, TiltDriver::kDynamixel),
-                         [](const auto& tested) {
-                           return std::string(kTiltDriverNames[static_cast<std::size_t>(tested.param)]);
-                         });
+INSTANTIATE_TEST_SUITE_P(Servos, TiltContract, ::testing::ValuesIn(test::kTestedServos),
+                         [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
 }  // namespace odoless

@@ -18,7 +18,7 @@ using test::ServoBench;
 constexpr std::int64_t kPatienceNs = 200 * kServoMs;
 constexpr double kResolutionRad = 0.0016;
 
-class ServoEnd : public ::testing::TestWithParam<TiltDriver> {
+class ServoEnd : public ::testing::TestWithParam<test::TestedServo> {
  protected:
   [[nodiscard]] static TiltParams params(TiltCommand at_start = TiltCommand::kSweep) {
     TiltParams params = servo_params(GetParam());
@@ -45,7 +45,7 @@ class ServoEnd : public ::testing::TestWithParam<TiltDriver> {
     bench.host_asleep = true;
   }
   static bool has_torque(ServoBench& bench) {
-    if (GetParam() == TiltDriver::kDynamixel) {
+    if (GetParam().driver == TiltDriver::kDynamixel) {
       return bench.servo_as<DynamixelDevice>().get(dynamixel::kTorqueEnable, 1) != 0;
     }
     const cia402::PowerState power = bench.servo_as<Cia402Device>().power();
@@ -53,7 +53,7 @@ class ServoEnd : public ::testing::TestWithParam<TiltDriver> {
   }
   /// Nothing is wrong with it, and it waits for no sign of life.
   static void expect_left_in_order(ServoBench& bench) {
-    if (GetParam() == TiltDriver::kDynamixel) {
+    if (GetParam().driver == TiltDriver::kDynamixel) {
       EXPECT_EQ(bench.servo_as<DynamixelDevice>().get(dynamixel::kBusWatchdog, 1), 0U);
     } else {
       EXPECT_EQ(bench.servo_as<Cia402Device>().dictionary().get({0x1016, 1}), 0U);
@@ -63,10 +63,8 @@ class ServoEnd : public ::testing::TestWithParam<TiltDriver> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Both, ServoEnd, ::testing::Values(TiltDriver::kCia402, TiltDriver::kDynamixel),
-                         [](const auto& tested) {
-                           return std::string(kTiltDriverNames[static_cast<std::size_t>(tested.param)]);
-                         });
+INSTANTIATE_TEST_SUITE_P(Servos, ServoEnd, ::testing::ValuesIn(test::kTestedServos),
+                         [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST_P(ServoEnd, HoldStopsItAndItStaysThere) {
   ServoBench bench(params(), servo(0.5));

@@ -2,12 +2,14 @@
 
 #include <functional>
 #include <memory>
+#include <ostream>
 #include <utility>
 #include <vector>
 
 #include "drivers/tilt/tilt_line.hpp"
 #include "tools/emulate/cia402_device.hpp"
 #include "tools/emulate/dynamixel_device.hpp"
+#include "tools/emulate/maestro_device.hpp"
 
 namespace odoless::test {
 
@@ -52,6 +54,23 @@ inline TiltParams servo_params(TiltDriver driver) {
   return params;
 }
 
+/// Of the contract's: a servo that measures where it is.
+struct TestedServo {
+  const char* name = "";
+  TiltDriver driver = TiltDriver::kNone;
+  bool is_cyclic = false;
+};
+inline constexpr TestedServo kTestedServos[] = {{"cia402", TiltDriver::kCia402},
+                                                {"cia402_cyclic", TiltDriver::kCia402, true},
+                                                {"dynamixel", TiltDriver::kDynamixel}};
+inline void PrintTo(const TestedServo& servo, std::ostream* out) { *out << servo.name; }
+
+inline TiltParams servo_params(const TestedServo& servo) {
+  TiltParams params = servo_params(servo.driver);
+  params.cyclic_position = servo.is_cyclic;
+  return params;
+}
+
 /// An emulated servo's axis.
 struct ServoAxis {
   double start_rad = 0.2;
@@ -76,6 +95,14 @@ class ServoBench {
       options.droop_radps = axis.droop_radps;
       options.faults = std::move(faults);
       return std::make_unique<Cia402Device>(options, kStartNs);
+    }
+    if (params.driver == TiltDriver::kMaestro) {
+      MaestroDeviceOptions options;
+      options.channel = params.channel;
+      options.start_rad = axis.start_rad;
+      options.droop_radps = axis.droop_radps;
+      options.faults = std::move(faults);
+      return std::make_unique<MaestroDevice>(options, kStartNs);
     }
     DynamixelDeviceOptions options;
     options.id = params.id;

@@ -46,11 +46,13 @@ struct EmulateLrfOptions {
 struct EmulateServoOptions {
   bool cia402 = false;
   bool dynamixel = false;
+  bool maestro = false;
   std::string model = "xm430-w350";
   std::string can;
   std::string pty;
   std::string log;
   int id = 1;
+  int channel = 0;
   double start_deg = 10.0;
   double home_deg = 0.0;
   double counts_per_turn = 65'536.0;

@@ -12,6 +12,7 @@
 #include "tools/command/error.hpp"
 #include "tools/emulate/cia402_device.hpp"
 #include "tools/emulate/dynamixel_device.hpp"
+#include "tools/emulate/maestro_device.hpp"
 #include "tools/emulate/pseudo_terminal.hpp"
 
 namespace odoless {
@@ -42,14 +43,19 @@ std::string model_names() {
 }
 
 void run(const EmulateServoOptions& options, double duration_s) {
-  if (options.cia402 == options.dynamixel || options.cia402 == options.can.empty() ||
-      options.dynamixel == options.pty.empty()) {
-    throw UsageError("expected either --cia402 --can INTERFACE or --dynamixel --pty PATH");
+  const bool is_serial = options.dynamixel != options.maestro;
+  const bool is_one =
+      static_cast<int>(options.cia402) + static_cast<int>(options.dynamixel) + static_cast<int>(options.maestro) == 1;
+  if (!is_one || options.cia402 == options.can.empty() || is_serial == options.pty.empty()) {
+    throw UsageError("expected one of --cia402 --can INTERFACE, --dynamixel --pty PATH and --maestro --pty PATH");
   }
   const std::unique_ptr<EmulatedServo> servo = make_servo(options);
   const std::unique_ptr<ServoLine> line = make_servo_line(options);
   say(fmt::format("{}: {} number {}", options.cia402 ? options.can : options.pty,
-                  options.cia402 ? "CiA 402 drive" : "Dynamixel " + options.model, options.id));
+                  options.cia402    ? "CiA 402 drive"
+                  : options.maestro ? "Maestro, channel"
+                                    : "Dynamixel " + options.model,
+                  options.maestro ? options.channel : options.id));
   LoopedServo looped(*servo, *line);
   const std::array<LoopedDevice*, 1> devices{&looped};
   serve_devices(devices, duration_ns(duration_s), false);
@@ -67,6 +73,13 @@ std::unique_ptr<EmulatedServo> make_servo(const EmulateServoOptions& options) {
     device.home_rad = radians(options.home_deg);
     device.faults = servo_faults(options.faults);
     return std::make_unique<Cia402Device>(std::move(device), monotonic_ns());
+  }
+  if (options.maestro) {
+    MaestroDeviceOptions device;
+    device.channel = options.channel;
+    device.start_rad = radians(options.start_deg);
+    device.faults = servo_faults(options.faults);
+    return std::make_unique<MaestroDevice>(std::move(device), monotonic_ns());
   }
   const DynamixelModel* const model = find_dynamixel_model(options.model);
   if (model == nullptr) {
@@ -93,6 +106,10 @@ void add_emulate_servo(CLI::App& emulate) {
   command->add_flag("--cia402", options->cia402, "A CANopen drive (CiA 402)");
   command->add_flag("--dynamixel", options->dynamixel, "A Dynamixel of the X or P series (Protocol 2.0)");
   command->add_option("--model", options->model, "Dynamixel: xm430-w350 or ph54-200-s500")->capture_default_str();
+  command->add_flag("--maestro", options->maestro, "An RC servo at a Pololu Maestro (compact protocol)");
+  command->add_option("--channel", options->channel, "Maestro: where the servo is plugged in")
+      ->check(CLI::Range(0, 5))
+      ->capture_default_str();
   command->add_option("--can", options->can, "CAN interface to be on");
   command->add_option("--pty", options->pty, "Link to make to the line's end for the client");
   command->add_option("--log", options->log, "File for all frames on the CAN interface (candump -L)");

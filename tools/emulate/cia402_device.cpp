@@ -210,6 +210,8 @@ void Cia402Device::on_write(Object object) {
     }
   } else if (object.index == 0x1016) {
     master_heard_s_ = -1.0;  // watched from the next heartbeat on
+  } else if (object.index == 0x607A && is_cyclic() && power_ == PowerState::kEnabled) {
+    follow_target();
   } else if (object.index == 0x6060) {
     homes_ = acknowledges_ = false;
   }

@@ -24,7 +24,8 @@ struct Cia402DeviceOptions {
 };
 
 /// A CANopen drive (CiA 301, 402): network management, heartbeats both ways, SDO server (expedited and by segments),
-/// mapped PDOs at SYNC and at events, emergency messages, the power stage's states, profile position and homing.
+/// mapped PDOs at SYNC and at events, emergency messages, the power stage's states, profile position, cyclic position
+/// and homing.
 class Cia402Device final : public EmulatedServo {
  public:
   Cia402Device(Cia402DeviceOptions options, std::int64_t now_ns);
@@ -59,6 +60,9 @@ class Cia402Device final : public EmulatedServo {
   void switch_power(std::uint16_t control_word);
   void on_set_point_bit(bool rises, std::uint16_t control_word);
   void start_move();
+  /// Cyclic position: to the target in the time that there is up to the next one.
+  void follow_target();
+  [[nodiscard]] bool is_cyclic() const;
   void fail(std::uint16_t code);
   void follow_faults(std::int64_t now_ns);
   void follow_motion();

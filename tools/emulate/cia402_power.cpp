@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "tools/emulate/cia402_device.hpp"
 
@@ -11,6 +12,8 @@ using cia402::PowerState;
 constexpr std::uint16_t kVoltageEnabled = 1U << 4U;
 constexpr std::uint16_t kRemote = 1U << 9U;
 constexpr std::uint32_t kHomingMode = 6;
+constexpr std::uint32_t kCyclicPositionMode = 8;
+constexpr double kFastSlope = 1e12;               ///< what it makes no ramp with
 constexpr std::uint32_t kFirstStayingOption = 5;  ///< of 605Ah
 
 std::uint16_t state_bits(PowerState state) {
@@ -48,7 +51,7 @@ void Cia402Device::on_control_word(std::uint16_t control_word) {
   } else if (power_ != PowerState::kFault && power_ != PowerState::kFaultReaction) {
     switch_power(control_word);
   }
-  if (power_ == PowerState::kEnabled && (bit4_rises || bit4_falls)) {
+  if (power_ == PowerState::kEnabled && !is_cyclic() && (bit4_rises || bit4_falls)) {
     on_set_point_bit(bit4_rises, control_word);
   }
   control_word_ = control_word;
@@ -112,6 +115,19 @@ void Cia402Device::start_move() {
   motor_.go_to(std::clamp(wished, low, std::max(low, high)));
 }
 
+bool Cia402Device::is_cyclic() const { return dictionary_.get({0x6060, 0}) == kCyclicPositionMode; }
+
+void Cia402Device::follow_target() {
+  const double wished = dictionary_.get_signed({0x607A, 0});
+  const double low = dictionary_.get_signed({0x607D, 1});
+  const double high = dictionary_.get_signed({0x607D, 2});
+  const double target = std::clamp(wished, low, std::max(low, high));
+  const double time_s =
+      dictionary_.get({0x60C2, 1}) * std::pow(10.0, static_cast<std::int8_t>(dictionary_.get({0x60C2, 2})));
+  motor_.set_profile(std::abs(target - motor_.position_counts()) / std::max(time_s, 1e-4), kFastSlope);
+  motor_.go_to(target);
+}
+
 double Cia402Device::slope(std::uint16_t index) const {
   return dictionary_.get({index, static_cast<std::uint8_t>(index == 0x6099 ? 1 : 0)});
 }
@@ -131,6 +147,8 @@ std::uint16_t Cia402Device::status_word() const {
   std::uint16_t word = state_bits(power_) | kVoltageEnabled | kRemote;
   const bool homing = dictionary_.get({0x6060, 0}) == kHomingMode;
   const bool reached = homing ? acknowledges_ || !homes_ : motor_.is_there();
+  word |= is_cyclic() && power_ == PowerState::kEnabled ? std::uint16_t{cia402::kSetPointAcknowledged}  // it follows
+                                                        : std::uint16_t{0};
   word |= acknowledges_ ? std::uint16_t{cia402::kSetPointAcknowledged} : std::uint16_t{0};
   word |= reached ? std::uint16_t{cia402::kTargetReached} : std::uint16_t{0};
   return word;

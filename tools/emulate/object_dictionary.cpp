@@ -74,8 +74,11 @@ constexpr std::array kRows{
     Row{{0x6099, 1}, 1'000, 4, kWrite},
     Row{{0x6099, 2}, 100, 4, kWrite},
     Row{{0x609A, 0}, 10'000, 4, kWrite},
+    Row{{0x60C2, 0}, 2, 1, kRead},
+    Row{{0x60C2, 1}, 10, 1, kWrite},
+    Row{{0x60C2, 2}, 0xFD, 1, kWrite},  // 10^-3 s
     Row{{0x60FF, 0}, 0, 4, kWrite},
-    Row{{0x6502, 0}, 1U << 0U | 1U << 5U, 4, kRead},  // profile position, homing
+    Row{{0x6502, 0}, 1U << 0U | 1U << 5U | 1U << 7U, 4, kRead},  // profile position, homing, cyclic position
 };
 
 /// Longer than a frame: read by segments.
@@ -95,7 +98,7 @@ constexpr std::array<std::uint32_t, 1> kClear{0};
 constexpr std::array<std::uint32_t, 3> kErrorBehaviours{0, 1, 2};
 constexpr std::array<std::uint32_t, 4> kAbortOptions{0, 1, 2, 3};
 constexpr std::array<std::uint32_t, 7> kQuickStopOptions{0, 1, 2, 5, 6, 7, 8};
-constexpr std::array<std::uint32_t, 3> kModes{0, 1, 6};
+constexpr std::array<std::uint32_t, 4> kModes{0, 1, 6, 8};
 constexpr std::array<Choice, 5> kChoices{{{{0x1003, 0}, kClear},
                                           {{0x1029, 1}, kErrorBehaviours},
                                           {{0x6007, 0}, kAbortOptions},

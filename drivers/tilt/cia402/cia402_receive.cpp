@@ -119,8 +119,9 @@ void Cia402Session::on_status(const CanFrame& frame, std::int64_t arrival_ns, Ti
   if (phase_ == Phase::kStart) {
     enter(homed_ ? Phase::kRun : Phase::kHomingMode, arrival_ns);
   }
+  angle_rad_ = scale_.angle_rad(static_cast<std::int32_t>(canopen::get(frame, 2, 4)));
   if (phase_ == Phase::kRun || phase_ == Phase::kEnd) {
-    pass_on(scale_.angle_rad(static_cast<std::int32_t>(canopen::get(frame, 2, 4))), arrival_ns, sink);
+    pass_on(angle_rad_, arrival_ns, sink);
   }
   follow_power(arrival_ns, sink);
 }

@@ -34,6 +34,7 @@ Cia402Session::Cia402Session(const TiltParams& params)
       set_up_(params, scale_),
       sdo_(params.id, params.reply_timeout_ns),
       motion_(params),
+      ramp_(params.speed_radps, params.acceleration_radps2),
       gate_(speed_max_radps(params)) {}
 
 void Cia402Session::reset(std::int64_t now_ns) {
@@ -54,39 +55,6 @@ void Cia402Session::command(TiltCommand command, std::int64_t now_ns) {
   if (command == TiltCommand::kStop && is_cyclic()) {
     next_sync_ns_ = std::min(next_sync_ns_, now_ns);
   }
-}
-
-// A drive that is brought up was told to stop by its first setting.
-void Cia402Session::finish(TiltEnd end, std::int64_t now_ns) {
-  const bool can_move = phase_ == Phase::kRun && !in_fault_;
-  end_ = end == TiltEnd::kLevel && !can_move ? TiltEnd::kHold : end;
-  motion_.command(end_ == TiltEnd::kLevel ? TiltCommand::kLevel : TiltCommand::kStop, now_ns);
-  if (is_cyclic()) {
-    next_sync_ns_ = now_ns;
-    enter(Phase::kEnd, now_ns);
-    return;
-  }
-  sdo_.cancel();
-  if (was_reset_ && end_ == TiltEnd::kRelease) {
-    send(canopen::sdo_write(params_.id, cia402::kControlWord, cia402::kDisableVoltage, 2));
-  }
-  phase_ = Phase::kEnded;
-}
-
-bool Cia402Session::is_left_as_wished() const {
-  const std::optional<cia402::PowerState> power = drive_.power();
-  if (!power || sdo_.busy()) {
-    return false;
-  }
-  switch (end_) {
-    case TiltEnd::kLevel:
-      return drive_.has_taken(scale_.position_counts(motion_.target_rad()));
-    case TiltEnd::kHold:
-      return !drive_.enabled();
-    case TiltEnd::kRelease:
-      break;
-  }
-  return !drive_.enabled() && power != cia402::PowerState::kQuickStop;
 }
 
 void Cia402Session::send(const CanFrame& frame) {
@@ -144,7 +112,7 @@ void Cia402Session::enter(Phase phase, std::int64_t now_ns) {
       break;
     case Phase::kProfileMode:
       gate_.restart();
-      sdo_.write(cia402::kModeOfOperation, cia402::kProfilePosition, 1, now_ns);
+      sdo_.write(cia402::kModeOfOperation, cia402::run_mode(params_), 1, now_ns);
       break;
     case Phase::kWriteMark:
       sdo_.write(cia402::kZeroMark, cia402::zero_mark(params_.homing_method), 4, now_ns);
@@ -154,7 +122,9 @@ void Cia402Session::enter(Phase phase, std::int64_t now_ns) {
       motion_.start(now_ns);
       break;
     case Phase::kEnd:
-      if (params_.master_id != 0) {
+      if (params_.cyclic_position && end_ == TiltEnd::kLevel) {
+        sdo_.write(cia402::kModeOfOperation, cia402::kProfilePosition, 1, now_ns);  // to go on alone
+      } else if (params_.master_id != 0) {
         sdo_.write(cia402::kWatchedHeartbeat, 0, 4, now_ns);
       }
       break;
@@ -233,7 +203,7 @@ void Cia402Session::on_sdo(SdoClient::Outcome outcome, std::int64_t now_ns, Tilt
     return;
   }
   if (phase_ == Phase::kEnd) {
-    return;  // watched or not, it is left
+    return on_end_written(outcome == SdoClient::Outcome::kDone, now_ns);
   }
   if (phase_ == Phase::kRun) {  // the code of a fault was asked for
     const std::int64_t code = outcome == SdoClient::Outcome::kDone ? std::int64_t{sdo_.value()} : -1;
@@ -265,6 +235,19 @@ void Cia402Session::on_sdo(SdoClient::Outcome outcome, std::int64_t now_ns, Tilt
   send_sdo();
 }
 
+std::int32_t Cia402Session::next_counts(std::int64_t now_ns) {
+  if (!drive_.is_cyclic()) {
+    return scale_.position_counts(motion_.target_rad());
+  }
+  if (!drive_.enabled() || motion_.command() == TiltCommand::kStop || in_fault_) {
+    ramp_.start(angle_rad_);
+  } else {
+    const std::int64_t elapsed_ns = std::clamp<std::int64_t>(now_ns - sync_ns_, 0, 2 * params_.sample_period_ns);
+    static_cast<void>(ramp_.step(motion_.target_rad(), static_cast<double>(elapsed_ns) * 1e-9));
+  }
+  return scale_.position_counts(ramp_.angle_rad());
+}
+
 Drive::Goal Cia402Session::goal() const {
   if (phase_ == Phase::kEnd && end_ == TiltEnd::kRelease) {
     return Drive::Goal::kRelease;
@@ -276,9 +259,10 @@ Drive::Goal Cia402Session::goal() const {
     case Phase::kHoming:
       return drive_.mode() == static_cast<std::int8_t>(cia402::kHoming) ? Drive::Goal::kHome : Drive::Goal::kWait;
     case Phase::kRun:
+      return drive_.mode() == static_cast<std::int8_t>(cia402::run_mode(params_)) ? Drive::Goal::kMove
+                                                                                  : Drive::Goal::kWait;
     case Phase::kEnd:
-      return drive_.mode() == static_cast<std::int8_t>(cia402::kProfilePosition) ? Drive::Goal::kMove
-                                                                                 : Drive::Goal::kWait;
+      return Drive::Goal::kMove;
     default:
       return Drive::Goal::kWait;
   }
@@ -297,7 +281,7 @@ void Cia402Session::cycle(std::int64_t now_ns, TiltSink& sink) {
     in_fault_ = true;
     fault_end_ns_ = now_ns + kStallPauseNs;
   }
-  const Drive::Output output = drive_.next(goal(), scale_.position_counts(motion_.target_rad()));
+  const Drive::Output output = drive_.next(goal(), next_counts(now_ns));
   CanFrame command;
   command.id = canopen::kReceivePdo1Cob + static_cast<std::uint32_t>(params_.id);
   command.size_bytes = 6;
@@ -350,6 +334,7 @@ void Cia402Session::tick(std::int64_t now_ns, TiltSink& sink) {
       std::max(5 * params_.sample_period_ns, kHeldUpNs)) {  // held up: what was seen of the motion before is history
     motion_.start(now_ns);
     drive_.forget_target();
+    ramp_.start(angle_rad_);
     gate_.restart();
   }
   last_tick_ns_ = now_ns;

@@ -10,11 +10,12 @@
 #include "drivers/tilt/cia402/sdo_client.hpp"
 #include "drivers/tilt/cia402/set_up.hpp"
 #include "drivers/tilt/tilt_motion.hpp"
+#include "drivers/tilt/tilt_ramp.hpp"
 #include "drivers/tilt/tilt_session.hpp"
 
 namespace odoless {
 
-/// A CANopen drive in profile position mode (CiA 301, CiA 402-2):
+/// A CANopen drive in profile position or cyclic synchronous position mode (CiA 301, CiA 402-2):
 ///
 ///   1. pre-operational, and asked whether it is a drive (1000h);
 ///   2. set up by SDO (SetUp), and asked whether it has found its zero since its power-up (zero_mark), where it is to;
@@ -81,6 +82,9 @@ class Cia402Session final : public TiltSession {
   [[nodiscard]] bool is_cyclic() const { return phase_ >= Phase::kStart && phase_ <= Phase::kEnd; }
   [[nodiscard]] bool sends_heartbeat() const { return params_.master_id != 0 && phase_ != Phase::kEnded; }
   [[nodiscard]] cia402::Drive::Goal goal() const;
+  /// Where the drive is to go in this cycle.
+  [[nodiscard]] std::int32_t next_counts(std::int64_t now_ns);
+  void on_end_written(bool is_done, std::int64_t now_ns);
   [[nodiscard]] bool is_left_as_wished() const;
 
   TiltParams params_;
@@ -89,6 +93,7 @@ class Cia402Session final : public TiltSession {
   canopen::SdoClient sdo_;
   cia402::Drive drive_;
   TiltMotion motion_;
+  TiltRamp ramp_;  ///< in cyclic mode
   AngleGate gate_;
   TiltCounters counters_;
 
@@ -113,6 +118,7 @@ class Cia402Session final : public TiltSession {
 
   std::int64_t last_tick_ns_ = 0;
   std::int64_t next_sync_ns_ = 0;
+  double angle_rad_ = 0.0;    ///< as measured last
   std::int64_t sync_ns_ = 0;  ///< of the last one
   std::int64_t next_heartbeat_ns_ = 0;
   std::int64_t heard_heartbeat_ns_ = 0;

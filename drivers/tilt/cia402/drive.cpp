@@ -12,7 +12,11 @@ void Drive::on_status(const DriveStatus& status) {
 }
 
 Drive::Output Drive::next(Goal goal, std::int32_t target_counts) {
-  if (goal == Goal::kMove && !offers_) {
+  if (is_cyclic()) {
+    forget_target();
+    offers_ = false;
+  }
+  if (is_cyclic() || (goal == Goal::kMove && !offers_)) {
     target_counts_ = target_counts;
   }
   control_word_ = control(goal);
@@ -36,6 +40,9 @@ std::uint16_t Drive::control(Goal goal) {
   }
   if (!enabled()) {
     return towards_enabled(*power_, control_word_);
+  }
+  if (is_cyclic()) {
+    return kEnableOperation;
   }
   return kEnableOperation | (goal == Goal::kHome ? std::uint16_t{kNewSetPoint} : set_point_bits());
 }

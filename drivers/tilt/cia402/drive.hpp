@@ -15,7 +15,8 @@ struct DriveStatus {
 
 enum class HomingState : std::uint8_t { kUnderWay, kAttained, kFailed };
 
-/// The control word and the target for each cycle, of what the drive told in the cycle before.
+/// The control word and the target for each cycle, of what the drive told in the cycle before: its mode too, by which
+/// it is shown a target once (profile position) or takes it at each SYNC (cyclic synchronous position).
 ///
 /// Thread: one thread. Real time: a few steps per call.
 class Drive {
@@ -41,7 +42,9 @@ class Drive {
   void forget_target() { accepted_counts_.reset(); }
   /// Whether it is on its way to that target, or there.
   [[nodiscard]] bool has_taken(std::int32_t target_counts) const { return accepted_counts_ == target_counts; }
-  /// Once per cycle. `target_counts` counts for kMove alone.
+  [[nodiscard]] bool is_cyclic() const { return status_.mode == kCyclicPositionMode; }
+  /// Once per cycle. `target_counts` counts for kMove alone; in cyclic mode always: where it is, while it isn't
+  /// enabled.
   [[nodiscard]] Output next(Goal goal, std::int32_t target_counts);
 
   /// Nothing until it has told.
@@ -57,6 +60,7 @@ class Drive {
   [[nodiscard]] std::uint16_t set_point_bits();
   [[nodiscard]] bool acknowledged() const { return (status_.status_word & kSetPointAcknowledged) != 0; }
 
+  static constexpr std::int8_t kCyclicPositionMode = 8;
   static constexpr int kPatienceCycles = 30;      ///< then a step that the drive may lack is done otherwise
   static constexpr int kHomingSettlesCycles = 5;  ///< before its status says something of this homing
 

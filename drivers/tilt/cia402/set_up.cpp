@@ -16,9 +16,11 @@ constexpr std::uint8_t kAtEachSync = 1;
 constexpr std::uint8_t kAtOnce = 0xFF;
 constexpr std::uint16_t kMappingOffset = 0x200;
 constexpr std::uint16_t kFirstTransmitPdo = 0x1800;
-constexpr std::uint32_t kQuickStopOnLostMaster = 3;  // 6007h
-constexpr std::uint32_t kStayInQuickStop = 6;        // 605Ah: on the quick stop slope, then hold ...
-constexpr std::uint32_t kStayAfterSlope = 5;         // ... or on the profile's
+constexpr std::uint32_t kQuickStopOnLostMaster = 3;     // 6007h
+constexpr std::uint32_t kLowestPosition = 0x80000000U;  // 607Dh: no limits
+constexpr std::uint32_t kHighestPosition = 0x7FFFFFFFU;
+constexpr std::uint32_t kStayInQuickStop = 6;    // 605Ah: on the quick stop slope, then hold ...
+constexpr std::uint32_t kStayAfterSlope = 5;     // ... or on the profile's
 constexpr std::uint32_t kTransferError = 0x05U;  // first byte of an abort code that is of the transfer, not the object
 
 constexpr std::array<std::uint32_t, 2> kCommandMapping{0x60400010, 0x607A0020};
@@ -40,12 +42,22 @@ SetUp::SetUp(const TiltParams& params, const TiltScale& scale) {
   add(kControlWord, kQuickStopControl, 2, true);  // whatever it does for whoever was here before
   add({0x1005, 0}, canopen::kSyncCob, 4, true);
   add_heartbeats(params);
-  add_pdo(0x1400, canopen::kReceivePdo1Cob + node, kAtOnce, kCommandMapping);
+  add_pdo(0x1400, canopen::kReceivePdo1Cob + node, params.cyclic_position ? kAtEachSync : kAtOnce, kCommandMapping);
   add_pdo(0x1800, canopen::kTransmitPdo1Cob + node, kAtEachSync, kStatusMapping);
   add_pdo(0x1801, canopen::kTransmitPdo2Cob + node, kAtEachSync, kVelocityMapping);
   add_motion(params, scale);
   add_homing(params, scale);
-  add(kModeOfOperation, kProfilePosition, 1);
+  if (params.cyclic_position) {
+    add_cyclic(params);
+  }
+  add(kModeOfOperation, run_mode(params), 1);
+}
+
+// How long a drive takes to come from one target to the next: units of 10^-3 s, so long as they are whole.
+void SetUp::add_cyclic(const TiltParams& params) {
+  constexpr std::uint32_t kMilliseconds = 0xFD;  // -3
+  add({0x60C2, 2}, kMilliseconds, 1, true);
+  add({0x60C2, 1}, std::min(milliseconds(params.sample_period_ns), 255U), 1, true);
 }
 
 void SetUp::add(Object object, std::uint32_t value, int size_bytes, bool optional) {
@@ -100,8 +112,9 @@ void SetUp::add_heartbeats(const TiltParams& params) {
 void SetUp::add_motion(const TiltParams& params, const TiltScale& scale) {
   const std::int32_t one_end = scale.position_counts(params.limit_min_rad);
   const std::int32_t other_end = scale.position_counts(params.limit_max_rad);
-  add({0x607D, 1}, static_cast<std::uint32_t>(std::min(one_end, other_end)), 4, true);
-  add({0x607D, 2}, static_cast<std::uint32_t>(std::max(one_end, other_end)), 4, true);
+  const bool is_ours = params.cyclic_position;  // or an axis that rests outside them would leap to the next one
+  add({0x607D, 1}, is_ours ? kLowestPosition : static_cast<std::uint32_t>(std::min(one_end, other_end)), 4, true);
+  add({0x607D, 2}, is_ours ? kHighestPosition : static_cast<std::uint32_t>(std::max(one_end, other_end)), 4, true);
   const std::uint32_t slope = whole(scale.counts(params.acceleration_radps2) * params.speed_units_per_count);
   add({0x6081, 0}, whole(scale.counts(params.speed_radps) * params.speed_units_per_count), 4);
   add({0x6083, 0}, slope, 4);

@@ -22,6 +22,12 @@ inline constexpr canopen::Object kModeOfOperation{0x6060, 0};
 
 inline constexpr std::uint32_t kProfilePosition = 1;
 inline constexpr std::uint32_t kHoming = 6;
+inline constexpr std::uint32_t kCyclicPosition = 8;
+
+/// In which it is where it isn't homed.
+[[nodiscard]] constexpr std::uint32_t run_mode(const TiltParams& params) {
+  return params.cyclic_position ? kCyclicPosition : kProfilePosition;
+}
 
 /// Where the drive keeps the mark that it has found its zero: the target of another mode (profile velocity), which
 /// means nothing in those used here. As a drive's zero, it is lost with its power, and by nothing else that this driver
@@ -73,6 +79,7 @@ class SetUp {
                std::span<const std::uint32_t> mapping);
   void add_heartbeats(const TiltParams& params);
   void add_motion(const TiltParams& params, const TiltScale& scale);
+  void add_cyclic(const TiltParams& params);
   void add_homing(const TiltParams& params, const TiltScale& scale);
 
   std::array<Setting, 64> settings_{};
