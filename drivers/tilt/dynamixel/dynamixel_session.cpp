@@ -20,7 +20,8 @@ constexpr int kPollsPerHealth = 10;
 constexpr std::int64_t kWatchdogUnitNs = 20'000'000;
 
 std::uint32_t profile_units(double value, double unit, std::uint32_t most) {
-  return static_cast<std::uint32_t>(std::clamp(std::round(value / unit), 1.0, std::max(1.0, static_cast<double>(most))));
+  return static_cast<std::uint32_t>(
+      std::clamp(std::round(value / unit), 1.0, std::max(1.0, static_cast<double>(most))));
 }
 
 std::uint32_t watchdog_units(const TiltParams& params) {

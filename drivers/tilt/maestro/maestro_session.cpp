@@ -74,12 +74,13 @@ std::optional<unsigned> MaestroSession::wished_counts() const {
   if (position_counts_ == maestro::kNoPulse) {
     return std::nullopt;
   }
-  const double position = position_counts_;
-  const double left = target_counts_.value_or(position_counts_) - position;
-  const double speed = speed_units_ * maestro::kSpeedUnitCountsPerS;
-  const double braking = speed * speed / (2.0 * acceleration_units_ * maestro::kAccelerationUnitCountsPerS2);
-  const double stop = position + std::copysign(std::min(std::abs(left), braking), left);
-  return counts_of(scale_.angle_rad(static_cast<std::int32_t>(std::lround(stop))));
+  const double way_counts = static_cast<double>(target_counts_.value_or(position_counts_)) - position_counts_;
+  const double speed_counts_per_s = speed_units_ * maestro::kSpeedUnitCountsPerS;
+  const double slope_counts_per_s2 = acceleration_units_ * maestro::kAccelerationUnitCountsPerS2;
+  const double braking_counts = speed_counts_per_s * speed_counts_per_s / (2.0 * slope_counts_per_s2);
+  const double stop_counts =
+      position_counts_ + std::copysign(std::min(std::abs(way_counts), braking_counts), way_counts);
+  return counts_of(scale_.angle_rad(static_cast<std::int32_t>(std::lround(stop_counts))));
 }
 
 void MaestroSession::find(std::int64_t now_ns) {
