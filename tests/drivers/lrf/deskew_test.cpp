@@ -107,10 +107,11 @@ TEST_P(Deskew, MakesMatchesOnATurnBetter) {
                          (static_cast<double>(scans.back().stamp_ns - scans.front().stamp_ns) * 1e-9);
   fmt::print("| {} | {:.1f} Hz | {:.1f} mm | {:.1f} mm | {:.3f} deg | {:.3f} deg |\n", GetParam().model, rate_hz,
              without.position_m * 1e3, with.position_m * 1e3, without.yaw_deg, with.yaw_deg);
-  EXPECT_LT(with.position_m, without.position_m);
+  EXPECT_LT(with.position_m, 0.5 * without.position_m);
+  EXPECT_LT(with.yaw_deg, 0.2 * without.yaw_deg);
 }
 
-/// One of each driver that tells when beams are measured, the slowest where they differ much.
+/// One of each driver that tells when beams are measured.
 std::vector<test::TestedLaser> lasers() {
   std::vector<test::TestedLaser> chosen;
   for (const test::TestedLaser& laser : test::kTestedLasers) {
