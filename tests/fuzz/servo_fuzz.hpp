@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -69,5 +70,22 @@ class FuzzedServo {
   std::int64_t now_ns_ = 1000 * kServoSecond;
   bool hears_ = true;
 };
+
+/// A servo on a stream of bytes. Each piece of the input: how many milliseconds pass, how many bytes follow, what the
+/// session is told and hears from then on; and the bytes.
+inline void fuzz_stream(TiltDriver driver, const std::uint8_t* data, std::size_t size) {
+  FuzzedServo servo(driver);
+  std::size_t pieces = 0;
+  for (std::size_t at = 0; at + 3 <= size && pieces < 200; ++pieces) {
+    const std::size_t count = std::min<std::size_t>(data[at + 1], size - at - 3);
+    servo.pass((1 + data[at] % 64) * kServoMs);
+    servo.give({data + at + 3, count}, data[at + 2] % 8 != 0);
+    servo.command(data[at + 2] / 8U);
+    at += 3 + count;
+  }
+  for (int i = 0; i < 5; ++i) {
+    servo.pass(10 * kServoMs);
+  }
+}
 
 }  // namespace odoless::test
