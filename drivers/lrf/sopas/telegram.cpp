@@ -18,8 +18,8 @@ constexpr std::array<std::uint8_t, 256> kDigits = [] {
   std::array<std::uint8_t, 256> table{};
   table.fill(16);
   for (std::uint8_t digit = 0; digit < 16; ++digit) {
-    table[static_cast<std::size_t>("0123456789ABCDEF"[digit])] = digit;
-    table[static_cast<std::size_t>("0123456789abcdef"[digit])] = digit;
+    table[static_cast<unsigned char>("0123456789ABCDEF"[digit])] = digit;
+    table[static_cast<unsigned char>("0123456789abcdef"[digit])] = digit;
   }
   return table;
 }();

@@ -197,10 +197,11 @@ void DynamixelSession::enter(Step step, std::int64_t now_ns) {
   }
 }
 
-std::uint32_t DynamixelSession::setting(std::uint16_t address, int size_bytes) const {
+std::uint32_t DynamixelSession::setting(std::uint16_t address, std::size_t size_bytes) const {
+  const std::size_t first = std::size_t{address} - dynamixel::kSettingsFirst;
   std::uint32_t value = 0;
-  for (int i = size_bytes - 1; i >= 0; --i) {
-    value = value << 8U | settings_[static_cast<std::size_t>(address - dynamixel::kSettingsFirst + i)];
+  for (std::size_t i = size_bytes; i > 0; --i) {
+    value = value << 8U | settings_[first + i - 1];
   }
   return value;
 }

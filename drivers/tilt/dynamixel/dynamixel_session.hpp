@@ -72,7 +72,7 @@ class DynamixelSession final : public TiltSession {
            std::int64_t now_ns);
   void use(const dynamixel::ControlTable& table);
   /// What the servo keeps at `address`, as it was read.
-  [[nodiscard]] std::uint32_t setting(std::uint16_t address, int size_bytes) const;
+  [[nodiscard]] std::uint32_t setting(std::uint16_t address, std::size_t size_bytes) const;
   [[nodiscard]] std::uint32_t profile_max(std::uint16_t limit_address) const;
   void read(std::uint16_t address_in_x, std::uint16_t size_bytes, std::int64_t now_ns);
   void write(std::uint16_t address_in_x, std::span<const std::uint32_t> values, std::size_t value_bytes,
