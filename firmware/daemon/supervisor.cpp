@@ -211,20 +211,14 @@ bool Supervisor::watch() {
   return false;
 }
 
-std::int64_t Supervisor::watchdog_ns() const {
-  constexpr std::int64_t kLossless = 5;  // nothing bounds the rounds of a replay that may drop nothing
-  return options_.params.pipeline.watchdog_ns * (options_.lossless ? kLossless : 1);
-}
-
 void Supervisor::tell(std::int64_t now_ns) {
-  const bool is_silent = stage_watch_->longest().lasts_ns > watchdog_ns() / 2;
-  surroundings_.stage_silent = is_silent;
+  surroundings_.stage_silent = stage_watch_->longest().lasts_ns > watchdog_ns() / 2;
   follow_gpio();
   surroundings_.save_error = saver_.error();
   machine_.publisher().set_surroundings(surroundings_, now_ns);
   const std::string state = state_sentence(machine_.publisher().health());
   remember_state(state);
-  if (!is_silent) {
+  if (!surroundings_.stage_silent) {
     notify_service_manager("WATCHDOG=1\nSTATUS=" + state);
   }
 }
