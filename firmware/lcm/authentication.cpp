@@ -120,14 +120,17 @@ Result<LcmKey> read_key(const std::string& path, std::string& reason) {
 }
 
 struct Hmac::States {
-  ~States() { OPENSSL_cleanse(this, sizeof(*this)); }
   SHA256_CTX inner{};
   SHA256_CTX outer{};
 };
 
 Hmac::Hmac(const LcmKey& key)
     : states_(new States{.inner = begun(key, std::byte{0x36}), .outer = begun(key, std::byte{0x5c})}) {}
-Hmac::~Hmac() = default;
+Hmac::~Hmac() {
+  if (states_) {
+    OPENSSL_cleanse(states_.get(), sizeof(States));
+  }
+}
 Hmac::Hmac(Hmac&&) noexcept = default;
 Hmac& Hmac::operator=(Hmac&&) noexcept = default;
 
