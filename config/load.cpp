@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -15,6 +14,7 @@
 
 #include "config/config.hpp"
 #include "config/expectation.hpp"
+#include "config/toml.hpp"
 
 namespace odoless {
 namespace {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <climits>
+#include <ctime>
 #include <utility>
 
 #include "core/base/check.hpp"
@@ -81,6 +82,16 @@ int RealTimeThread::start(std::function<void()> body) {
   return 0;
 }
 
+std::int64_t RealTimeThread::cpu_time_ns() const {
+  constexpr std::int64_t kNsPerS = 1'000'000'000;
+  clockid_t clock{};
+  timespec used{};
+  if (pthread_getcpuclockid(thread_, &clock) != 0 || clock_gettime(clock, &used) != 0) {
+    return 0;  // it has ended
+  }
+  return used.tv_sec * kNsPerS + used.tv_nsec;
+}
+
 void RealTimeThread::join() {
   if (started_ && !joined_) {
     pthread_join(thread_, nullptr);
@@ -98,6 +109,7 @@ void* RealTimeThread::entry(void* self) {
 void RealTimeThread::set_up() {
   name_of_this_thread = params_.name.c_str();
   pthread_setname_np(pthread_self(), params_.name.substr(0, 15).c_str());
+  thread_id_ = gettid();
   affinity_error_ = set_affinity(params_.cpu);
   scheduling_error_ = set_priority(params_.priority);
   is_set_up_ = true;

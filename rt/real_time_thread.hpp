@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -46,6 +47,12 @@ class RealTimeThread {
   /// errno of setting the processor, or 0; known once started.
   [[nodiscard]] int affinity_error() const { return affinity_error_; }
 
+  /// As the system numbers it; known once started.
+  [[nodiscard]] int thread_id() const { return thread_id_; }
+
+  /// CPU time that it has used, while it is not joined.
+  [[nodiscard]] std::int64_t cpu_time_ns() const;
+
   /// Waits for the end of the body. Nothing to do if it has not started.
   void join();
 
@@ -67,6 +74,7 @@ class RealTimeThread {
   bool joined_ = false;
   int scheduling_error_ = 0;
   int affinity_error_ = 0;
+  int thread_id_ = 0;
 };
 
 }  // namespace odoless

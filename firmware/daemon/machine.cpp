@@ -223,19 +223,15 @@ std::size_t Machine::map_cells() const {
   return static_cast<std::size_t>(geometry.columns) * static_cast<std::size_t>(geometry.rows);
 }
 
-const char* Machine::silent_stage() {
-  constexpr std::array<const char*, kStages> kNames{"sensor", "matcher", "filter"};
-  const std::array<const std::atomic<std::uint64_t>*, kStages> now{
-      &pipeline_.sensor.heartbeat, &pipeline_.matcher.heartbeat, &pipeline_.filter.heartbeat};
-  const std::array<bool, kStages> resting{pipeline_.sensor.done, !matcher_ || pipeline_.matcher.done,
-                                          !filter_ || pipeline_.filter.done};
-  const char* silent = nullptr;
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    const std::uint64_t beat = now.at(i)->load(std::memory_order_relaxed);
-    silent = resting.at(i) || beat != heartbeats_.at(i) ? silent : kNames.at(i);
-    heartbeats_.at(i) = beat;
+std::vector<WatchedStage> Machine::watched_stages() const {
+  std::vector<WatchedStage> stages{{"sensor", &sensor_thread_, &pipeline_.sensor.heartbeat, &pipeline_.sensor.done}};
+  if (matcher_) {
+    stages.push_back({"matcher", &matcher_thread_, &pipeline_.matcher.heartbeat, &pipeline_.matcher.done});
   }
-  return silent;
+  if (filter_) {
+    stages.push_back({"filter", &filter_thread_, &pipeline_.filter.heartbeat, &pipeline_.filter.done});
+  }
+  return stages;
 }
 
 bool Machine::has_ended() const {

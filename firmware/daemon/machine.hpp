@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "firmware/daemon/daemon.hpp"
+#include "firmware/daemon/stage_watch.hpp"
 #include "firmware/daemon/start_up.hpp"
 #include "firmware/gpio/gpio_thread.hpp"
 #include "firmware/pipeline/pipeline.hpp"
@@ -50,8 +51,8 @@ class Machine {
   /// Cells of the map that is saved at the end.
   [[nodiscard]] std::size_t map_cells() const;
 
-  /// The running stage that has done no round since the last call: its name, or null where all have.
-  [[nodiscard]] const char* silent_stage();
+  /// The stages that run here, once started.
+  [[nodiscard]] std::vector<WatchedStage> watched_stages() const;
   /// Whether all stages have ended by themselves.
   [[nodiscard]] bool has_ended() const;
   /// errno where a thread was refused its priority or processor; 0: none was.
@@ -99,7 +100,6 @@ class Machine {
   RealTimeThread sensor_thread_;
   RealTimeThread matcher_thread_;
   RealTimeThread filter_thread_;
-  std::array<std::uint64_t, kStages> heartbeats_{};
   std::int64_t start_ns_ = 0;
 };
 

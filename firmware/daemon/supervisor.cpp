@@ -62,6 +62,7 @@ Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t s
 }
 
 int Supervisor::run() {
+  stage_watch_.emplace(machine_.watched_stages());
   notify_service_manager("READY=1");
   while (!ending_ && !machine_.has_ended()) {
     if (!watch()) {  // before anybody is answered: an emergency stop is told of from the first status on
@@ -192,28 +193,34 @@ void Supervisor::keep_tilt_open() {
 
 bool Supervisor::watch() {
   const std::int64_t now_ns = machine_.clock().now_ns();
-  if (now_ns < next_watch_ns_) {
+  if (now_ns >= next_look_ns_) {
+    next_look_ns_ = now_ns + StageWatch::kLook_ns;
+    stage_watch_->look();
+  }
+  if (now_ns >= next_watch_ns_) {
+    next_watch_ns_ = now_ns + kWatch_ns;
+    tell(now_ns);
+  }
+  const StageWatch::Silence silence = stage_watch_->longest();
+  if (silence.lasts_ns < watchdog_ns()) {
     return true;
   }
-  next_watch_ns_ = now_ns + kWatch_ns;
-  // Rounds are counted and not time, so that a process that was stopped as a whole is not taken for one that hangs.
-  const char* const silent = machine_.silent_stage();
-  silent_ns_ = silent == nullptr ? 0 : silent_ns_ + kWatch_ns;
-  surroundings_.stage_silent = silent_ns_ > 0 && silent_ns_ + kWatch_ns > options_.params.pipeline.watchdog_ns / 2;
+  log_line(
+      EventPriority::kCritical,
+      fmt::format("the {} stage hangs: the daemon ends, to be started again (pipeline.watchdog_ms)", silence.stage));
+  return false;
+}
+
+void Supervisor::tell(std::int64_t now_ns) {
+  surroundings_.stage_silent = stage_watch_->longest().lasts_ns > watchdog_ns() / 2;
   follow_gpio();
   surroundings_.save_error = saver_.error();
   machine_.publisher().set_surroundings(surroundings_, now_ns);
   const std::string state = state_sentence(machine_.publisher().health());
   remember_state(state);
-  if (silent_ns_ == 0) {
+  if (!surroundings_.stage_silent) {
     notify_service_manager("WATCHDOG=1\nSTATUS=" + state);
   }
-  if (silent_ns_ < options_.params.pipeline.watchdog_ns) {
-    return true;
-  }
-  log_line(EventPriority::kCritical,
-           fmt::format("the {} stage hangs: the daemon ends, to be started again (pipeline.watchdog_ms)", silent));
-  return false;
 }
 
 void Supervisor::follow_gpio() {

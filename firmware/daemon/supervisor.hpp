@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -9,6 +10,7 @@
 #include "firmware/daemon/machine.hpp"
 #include "firmware/daemon/saver.hpp"
 #include "firmware/daemon/signals.hpp"
+#include "firmware/daemon/stage_watch.hpp"
 #include "firmware/sources/line_keeper.hpp"
 
 namespace odoless {
@@ -42,6 +44,11 @@ class Supervisor {
   void keep_laser_open();
   void keep_tilt_open();
   [[nodiscard]] bool watch();
+  void tell(std::int64_t now_ns);
+  /// Nothing bounds the rounds of a replay that may drop nothing.
+  [[nodiscard]] std::int64_t watchdog_ns() const {
+    return options_.params.pipeline.watchdog_ns * (options_.lossless ? 5 : 1);
+  }
   void follow_gpio();
   void reload();
   [[nodiscard]] std::string answer(std::string_view line, const ControlPeer& peer);
@@ -72,7 +79,8 @@ class Supervisor {
   Errc laser_error_ = Errc::kOk;
   Errc tilt_error_ = Errc::kOk;
   std::int64_t next_watch_ns_ = 0;
-  std::int64_t silent_ns_ = 0;
+  std::optional<StageWatch> stage_watch_;  ///< while the machine runs
+  std::int64_t next_look_ns_ = 0;
   bool gpio_silent_ = false;
   std::int64_t power_cycles_ = 0;
 };

@@ -63,6 +63,8 @@ std::uint32_t HealthMonitor::sensor_reasons(const SensorReport& sensor, const Su
               kReasonBadScans) |
          when(motions_refused_.update(sensor.source.motions_refused, now_ns, params_.deadline_memory_ns),
               kReasonBadMotions) |
+         when(not_authentic_.update(sensor.source.forged + sensor.source.replayed, now_ns, params_.deadline_memory_ns),
+              kReasonNotAuthentic) |
          when(sensor.tilt.used && !sensor.tilt.obeys, kReasonTilt) |
          when(tilt_refused_.update(sensor.tilt.refused, now_ns, params_.deadline_memory_ns), kReasonBadTilt) |
          when(sensor.tilt.used && !sensor.tilt.level, kReasonNotLevel) | when(sensor.blind, kReasonBlind) |

@@ -86,6 +86,7 @@ class HealthMonitor {
   std::int64_t began_ns_ = 0;  ///< 0: not yet
   Growth rejected_;
   Growth motions_refused_;
+  Growth not_authentic_;
   Growth tilt_refused_;
   Growth dropped_;
   Growth missed_;

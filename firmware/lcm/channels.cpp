@@ -27,4 +27,8 @@ Channels::Channels(std::string_view prefix) {
   cloud = named("CLOUD");
 }
 
+bool Channels::is_taken(std::string_view channel) const {
+  return channel == scan || channel == scan_again || channel == motion || channel == motion_again;
+}
+
 }  // namespace odoless

@@ -38,6 +38,9 @@ struct Channels {
   std::string cloud;            ///< bot_core.pointcloud_t, channels "key" and "edition"
 
   explicit Channels(std::string_view prefix = "ODOLESS_");
+
+  /// Whether a daemon with a filter alone takes messages of that channel.
+  [[nodiscard]] bool is_taken(std::string_view channel) const;
 };
 
 }  // namespace odoless

@@ -82,6 +82,7 @@ LcmLink::LcmLink(const LcmParams& params, std::size_t map_cells_max)
       channels_(params.prefix),
       messages_(std::make_unique<Messages>()),
       buffer_(kMessageMaxBytes),
+      signed_(params.key_file.empty() ? 0 : kMessageMaxBytes + kTrailerBytes),
       // Halving rounds up: a single row of cells only becomes half of them.
       halved_cells_(map_cells_max / 2 + 1),
       last_scan_message_{.again_channel = channels_.scan_again},
@@ -104,6 +105,14 @@ Errc LcmLink::open() {
   }
   if (params_.url.empty()) {
     return Errc::kOk;
+  }
+  if (!params_.key_file.empty() && !signer_) {
+    std::string reason;
+    const Result<LcmKey> key = read_key(params_.key_file, reason);
+    if (!key.ok()) {
+      return fail(key.error(), std::move(reason));
+    }
+    signer_.emplace(key.value());
   }
   const std::string url = with_ttl(params_.url, params_.ttl);
   if (const int error = url.starts_with(kUdp) ? route_error(url) : 0; error != 0) {
@@ -168,17 +177,29 @@ Errc LcmLink::send_and_keep(const std::string& channel, const Message& message, 
   return error;
 }
 
+// Those that a daemon takes from another.
+std::span<const std::byte> LcmLink::signed_message(const std::string& channel, std::span<const std::byte> message) {
+  if (!signer_ || !channels_.is_taken(channel)) {
+    return message;
+  }
+  const auto trailer = signer_->sign(channel, message, wall_clock_us());
+  const auto end = std::copy(message.begin(), message.end(), signed_.begin());
+  std::copy(trailer.begin(), trailer.end(), end);
+  return std::span(signed_).first(message.size() + trailer.size());
+}
+
 Errc LcmLink::transmit(const std::string& channel, std::span<const std::byte> message) {
   if (params_.url.empty()) {
     return Errc::kOk;
   }
+  const std::span<const std::byte> sent = signed_message(channel, message);
   if (lcm_ == nullptr ||
-      lcm_publish(lcm_.get(), channel.c_str(), message.data(), static_cast<unsigned int>(message.size())) != 0) {
+      lcm_publish(lcm_.get(), channel.c_str(), sent.data(), static_cast<unsigned int>(sent.size())) != 0) {
     ++counters_.errors;
     return Errc::kUnavailable;
   }
   ++counters_.messages;
-  counters_.bytes += static_cast<std::int64_t>(message.size());
+  counters_.bytes += static_cast<std::int64_t>(sent.size());
   return Errc::kOk;
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 
 #include "core/base/result.hpp"
 #include "drivers/lrf/lrf_params.hpp"
+#include "firmware/lcm/authentication.hpp"
 #include "firmware/lcm/channels.hpp"
 #include "firmware/lcm/deflater.hpp"
 #include "firmware/lcm/lcm_params.hpp"
@@ -47,7 +49,8 @@ struct LcmCounters {
 ///
 /// Each `publish` converts, encodes into a buffer that exists already, hands the message to the tap and sends it.
 /// Nothing is allocated after the first message of a kind. An error is counted and returned, and stops nothing: the
-/// next message is tried again. None is longer than `kMessageMaxBytes`, so that each fits one datagram.
+/// next message is tried again. None is longer than `kMessageMaxBytes`, so that each fits one datagram. With
+/// `LcmParams::key_file` a trailer (authentication.hpp) follows scans and motions, though not to the tap.
 ///
 /// Thread: publisher thread only, as sending may block on a full socket; never a real-time thread.
 class LcmLink {
@@ -58,8 +61,9 @@ class LcmLink {
   LcmLink(const LcmLink&) = delete;
   LcmLink& operator=(const LcmLink&) = delete;
 
-  /// Opens LCM; may be tried again. With an empty address nothing is opened, and messages go to the tap alone.
-  /// Errc::kBadAddress or Errc::kUnavailable; `reason` then says more.
+  /// Reads the key, if there is one, and opens LCM; may be tried again. With an empty address nothing is opened, and
+  /// messages go to the tap alone. Errc::kBadAddress, also of the key's file, or Errc::kUnavailable; `reason` then says
+  /// more.
   [[nodiscard]] Errc open();
   /// Why `open` failed, for a person: what is wrong and what would be right.
   [[nodiscard]] const std::string& reason() const { return reason_; }
@@ -117,6 +121,8 @@ class LcmLink {
   [[nodiscard]] Errc refuse_too_long();
   [[nodiscard]] const std::string& raw_channel(RawLine line, bool to_device) const;
   [[nodiscard]] Errc transmit(const std::string& channel, std::span<const std::byte> message);
+  [[nodiscard]] std::span<const std::byte> signed_message(const std::string& channel,
+                                                          std::span<const std::byte> message);
 
   LcmParams params_;
   Channels channels_;
@@ -127,6 +133,8 @@ class LcmLink {
   LrfDriver laser_ = LrfDriver::kLcm;
   Deflater deflater_;
   std::vector<std::byte> buffer_;
+  std::optional<MessageSigner> signer_;
+  std::vector<std::byte> signed_;
   std::vector<std::uint8_t> halved_cells_;
   bool sends_again_ = false;
   Last last_scan_message_;

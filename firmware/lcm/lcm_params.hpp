@@ -10,6 +10,7 @@ namespace odoless {
 struct LcmParams {
   std::string url = "udpm://239.255.76.67:7667";
   int ttl = 0;
+  std::string key_file{};
   std::string prefix = "ODOLESS_";
   double map_refresh_s = 5.0;
   double overview_s = 2.0;
@@ -22,7 +23,12 @@ struct LcmParams {
     visit.text("url", self.url,
                "Where messages go: udpm://GROUP:PORT, or another address of LCM; empty: they are not sent.");
     visit.value("ttl", self.ttl, Range{0, 255},
-                "How many routers pass the messages on; 0: they stay on this host. LCM knows no authentication.");
+                "How many routers pass the messages on; 0: they stay on this host. LCM itself knows no authentication: "
+                "see key_file.");
+    visit.text(
+        "key_file", self.key_file,
+        "File with a key of 64 hexadecimal digits: scans and motions are sent with an HMAC-SHA-256, and only such "
+        "are taken from others; empty: none is sent or asked for.");
     visit.text("prefix", self.prefix, "Stands before the name of every channel.");
     visit.value("map_refresh_s", self.map_refresh_s, Range{0.5, 3600.0},
                 "Time in which every tile of the map is sent again.");

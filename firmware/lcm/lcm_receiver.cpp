@@ -66,7 +66,7 @@ SenderKey key_of(const sockaddr_in& sender) {
 }  // namespace
 
 LcmReceiver::LcmReceiver(const LcmParams& params, std::vector<std::string> channels)
-    : url_(params.url), channels_(std::move(channels)), buffer_(kDatagramMaxBytes) {}
+    : url_(params.url), key_file_(params.key_file), channels_(std::move(channels)), buffer_(kDatagramMaxBytes) {}
 
 LcmReceiver::~LcmReceiver() { close(); }
 
@@ -83,11 +83,27 @@ Errc LcmReceiver::fail(Errc error, std::string reason) {
   return error;
 }
 
+Errc LcmReceiver::prepare_key() {
+  if (key_file_.empty() || verifier_) {
+    return Errc::kOk;
+  }
+  std::string reason;
+  const Result<LcmKey> key = read_key(key_file_, reason);
+  if (!key.ok()) {
+    return fail(key.error(), std::move(reason));
+  }
+  verifier_.emplace(key.value());
+  return Errc::kOk;
+}
+
 Errc LcmReceiver::open() {
   close();
   const Result<UdpAddress> address = parse_udp_address(url_);
   if (!address.ok()) {
     return fail(address.error(), "'" + url_ + "' is not of the form udpm://239.255.76.67:7667");
+  }
+  if (const Errc error = prepare_key(); error != Errc::kOk) {
+    return error;
   }
   descriptor_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   const int buffer_bytes = address.value().receive_buffer_bytes;
@@ -117,8 +133,16 @@ LcmReceiver::Read LcmReceiver::take(std::span<const std::byte> datagram, LcmMess
     ++counters_.other_channels;
     return Read::kSkipped;
   }
-  ++counters_.messages;
   message = {.channel = parsed.value().channel, .payload = parsed.value().payload};
+  if (verifier_) {
+    const auto verified = verifier_->verify(message.channel, message.payload, wall_clock_us());
+    if (!verified.ok()) {
+      ++(verified.error() == Errc::kTooOld ? counters_.replayed : counters_.forged);
+      return Read::kSkipped;
+    }
+    message.payload = verified.value();
+  }
+  ++counters_.messages;
   return Read::kMessage;
 }
 

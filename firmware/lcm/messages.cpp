@@ -43,7 +43,7 @@ void to_message(const SourceHealth& source, source_health_t& message) {
   message.age_s = source.age_s;
   message.rate_hz = source.rate_hz;
   message.accepted = source.accepted;
-  message.rejected = source.rejected + source.motions_refused;
+  message.rejected = source.rejected + source.motions_refused + source.forged + source.replayed;
   message.late = source.late;
   message.duplicate = source.duplicate;
   message.out_of_order = source.out_of_order;

@@ -44,6 +44,7 @@ enum HealthReason : std::uint32_t {
   kReasonCloudFull = 1U << 21,      ///< the 3D map has no room for what is seen: what it has stays
   kReasonBadTilt = 1U << 22,        ///< the tilt servo's answers are refused, or don't come
   kReasonBadMotions = 1U << 23,     ///< motions of a matcher elsewhere are refused: forged, or of another clock
+  kReasonNotAuthentic = 1U << 24,   ///< messages are refused that are not of who has the key, or not of now
 };
 
 /// The scan source since start. Rates and ages are taken at the time of the report.
@@ -61,6 +62,8 @@ struct SourceHealth {
   std::int64_t datagrams_lost = 0;
   ScanTimeFindings times{};          ///< what the stamps of the accepted scans were like
   std::int64_t motions_refused = 0;  ///< of a matcher elsewhere; not counted in rejected
+  std::int64_t forged = 0;           ///< messages that are not of who has the key; not counted in rejected
+  std::int64_t replayed = 0;         ///< of who has the key, but not new; not counted in rejected
 };
 
 /// A round of a stage: when it was by CLOCK_MONOTONIC, as in the kernel's own records, and its CPU time.

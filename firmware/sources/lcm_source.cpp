@@ -53,6 +53,8 @@ void LcmSource::add_counts(SourceHealth& health) const {
   health.rejected += refused_ + counters.malformed + counters.fragments;
   health.motions_refused += motions_refused_;
   health.datagrams_lost += counters.lost;
+  health.forged += counters.forged;
+  health.replayed += counters.replayed;
 }
 
 }  // namespace odoless

@@ -162,6 +162,19 @@ TEST(ParseParameters, RefusesDeepNestingWithoutHarm) {
   EXPECT_THAT(problems_of("x = " + std::string(100'000, '[')), ElementsAre(StartsWith("robot.toml:1:")));
 }
 
+// The sanitizers find here what the parser takes for unreachable.
+TEST(ParseParameters, RefusesLettersBeyondAsciiWhereNoTextIs) {
+  for (unsigned int letter = 0x80; letter < 0x800; ++letter) {  // those of two bytes
+    const std::string bytes{static_cast<char>(0xc0U | letter >> 6U), static_cast<char>(0x80U | (letter & 0x3fU))};
+    if (letter == 0x85 || letter == 0xa0) {
+      continue;  // a line's end and a space to some
+    }
+    EXPECT_THAT(problems_of("[matcher]\n" + bytes + " = 1\n"), ElementsAre(StartsWith("robot.toml:2:1: "))) << letter;
+    EXPECT_THAT(problems_of("[matcher]\ncell_size_m " + bytes + "= 1\n"), ElementsAre(StartsWith("robot.toml:2:")))
+        << letter;
+  }
+}
+
 // Every key of the description: absent it keeps its default, wrongly typed it is refused by name.
 TEST(ParseParameters, RefusesAWrongTypeOfEveryKey) {
   ExampleOuterParams params;

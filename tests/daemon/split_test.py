@@ -29,8 +29,10 @@ RATE = 2  # recorded seconds per second
 GAP_S = (16.0, 19.0)  # no scans
 CARRIED_S = (26.0, 32.0)  # cut out: at its begin the robot is at once where it was at its end
 END_S = 45.0
+SHORT_END_S = 12.0
 MOTION = struct.Struct(">q qqqd 3d3d9d 25d25d25d 3d2d iii")  # odoless.motion_t up to its flags
 JOLTED = 16
+TRAILER_BYTES = 52  # of an authentic message
 SO_RCVBUFFORCE = 33  # of Linux; Python does not name it
 
 
@@ -73,9 +75,11 @@ def recorded(path, channel):
                 yield message
 
 
-def forged(datagram, begin):
-    """What somebody on the network could make of a motion, whose stamp begins there: of a far time, a robot that leaps,
-    a covariance that is none."""
+def forged(datagrams):
+    """What somebody on the network could make of the last motion: of a far time, a robot that leaps, a covariance that is
+    none."""
+    datagram = datagrams[-1]
+    begin = 8 + len(datagram[8:].partition(b"\0")[0]) + 1 + 8  # of its stamp
     utime, reference_utime = struct.unpack_from(">qq", datagram, begin)
     for off_us in (10**13, 3_600_000_000, -3_600_000_000):
         yield datagram[:begin] + struct.pack(">qq", utime + off_us, reference_utime + off_us) + datagram[begin + 16:]
@@ -84,13 +88,26 @@ def forged(datagram, begin):
     yield datagram[:noise] + struct.pack(">d", 1e5) + datagram[noise + 8:]
 
 
+def attacked(datagrams):
+    """What somebody without the key could make of the last of these authentic datagrams: a message without a trailer, an
+    altered one, one of another channel, and those that he has heard, again."""
+    last = datagrams[-1]
+    yield last[:-TRAILER_BYTES]
+    yield last[:len(last) // 2] + bytes([last[len(last) // 2] ^ 1]) + last[len(last) // 2 + 1:]
+    yield last.replace(b"_MOTION\0", b"_MOTION_AGAIN\0", 1)
+    yield last
+    yield datagrams[0]
+
+
 class Relay(threading.Thread):
     """Takes the datagrams of one port to another, but for some that it drops: which ones depends on no time, but on
-    their channel, their stamp, and how often both came before. Adds forged motions, if it is to."""
+    their channel, their stamp, and how often both came before. Adds motions: what `forges` makes of one, or of those
+    of late, if it is there."""
 
     def __init__(self, from_port, to_port, dropped_share, forges):
         super().__init__(daemon=True)
-        self.forger = None
+        self.forger, self.forges = None, forges
+        self.motions = collections.deque(maxlen=20)
         if forges:
             self.forger = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
             self.forger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
@@ -120,7 +137,8 @@ class Relay(threading.Thread):
                 self.passed += 1
                 self.socket.sendto(datagram, (GROUP, self.to_port))
                 if self.forger is not None and channel.endswith(b"_MOTION"):
-                    for other in forged(datagram, 8 + len(channel) + 1 + 8):
+                    self.motions.append(datagram)
+                    for other in self.forges(self.motions):
                         self.forger.sendto(other, (GROUP, self.to_port))
 
 
@@ -136,6 +154,11 @@ class Runs:
         self.log, self.interrupted = self.path("rooms.log"), self.path("interrupted.log")
         subprocess.run(program("odoless", "sim", WORLD, *LASER, "--out", self.log), check=True, stdout=subprocess.DEVNULL)
         interrupt(self.log, self.interrupted)
+        self.short, self.key = self.path("short.log"), self.path("key")
+        with open(self.log, encoding="utf-8") as lines, open(self.short, "w", encoding="utf-8") as out:
+            out.writelines(line for line in lines if float(line.split(" ")[-1]) <= SHORT_END_S)
+        with open(self.key, "w", encoding="utf-8", opener=lambda path, flags: os.open(path, flags, 0o600)) as out:
+            out.write(os.urandom(32).hex() + "\n")
 
     def begin(self, name, run, *arguments):
         self.begun[name] = self.pool.submit(run, name, *arguments)
@@ -217,17 +240,17 @@ class Runs:
         config = self.config(name, lcm={"url": ""}, recorder={"path": self.path(name + "_recorded")}, graph={"enabled": graph})
         self.finish(name, self.daemon(name, config, "--replay", log, "--rate", RATE))
 
-    def split(self, name, log, dropped_share=0.0, forges=False, graph=True):
+    def split(self, name, log, dropped_share=0.0, forges=None, graph=True, key=""):
         """The same through two processes, with a relay between them if some are to be dropped."""
         from_port = to_port = next(self.ports)
         relay = None
-        if dropped_share > 0.0 or forges:
+        if dropped_share > 0.0 or forges is not None:
             to_port = from_port + 1
             relay = Relay(from_port, to_port, dropped_share, forges)
             relay.start()
-        after = self.daemon(name, self.config(name, lcm={"url": url(to_port)}, graph={"enabled": graph}),
+        after = self.daemon(name, self.config(name, lcm={"url": url(to_port), "key_file": key}, graph={"enabled": graph}),
                             "--stages", "filter")
-        before = self.daemon(name + "_front", self.config(name + "_front", lcm={"url": url(from_port)}),
+        before = self.daemon(name + "_front", self.config(name + "_front", lcm={"url": url(from_port), "key_file": key}),
                              "--stages", "sensor,matcher", "--replay", log, "--rate", RATE)
         self.finish(name + "_front", before)
         self.finish_idle(name, after)
@@ -257,11 +280,12 @@ class SplitTest(unittest.TestCase):
         runs.begin("undivided", runs.whole, runs.interrupted)
         runs.begin("lossless", runs.split, runs.interrupted)
         runs.begin("filter_whole", runs.whole, runs.interrupted, False)
-        runs.begin("filter_split", runs.split, runs.interrupted, 0.0, False, False)
+        runs.begin("filter_split", runs.split, runs.interrupted, 0.0, None, False)
         runs.begin("lossy", runs.split, runs.log, 0.05)
         if cls.player is not None:
             runs.begin("played", runs.played, cls.player, "undivided")
-        runs.begin("forged", runs.split, runs.log, 0.0, True)
+        runs.begin("forged", runs.split, runs.log, 0.0, forged)
+        runs.begin("attacked", runs.split, runs.short, 0.0, attacked, True, runs.key)
 
     def assert_same(self, run, other, names):
         for name in names:
@@ -317,6 +341,18 @@ class SplitTest(unittest.TestCase):
         self.assertIn("motions of the matcher elsewhere are refused", self.summary("forged")["latched_reasons"])
         self.assertGreater(len(forged_at), 0.98 * len(whole))
         self.assertLess(max(math.dist(forged_at[stamp], whole[stamp]) for stamp in forged_at), 0.05)
+
+    def test_with_a_key_nothing_is_taken_from_who_has_none(self):
+        whole, attacked_at = self.online("whole"), self.online("attacked")
+        summary = self.summary("attacked")
+        motions = summary["scans"] - 1
+        self.assertGreater(motions, 100)
+        self.assertGreaterEqual(summary["messages_forged"], 3 * motions)
+        self.assertGreaterEqual(summary["messages_replayed"], 2 * motions)
+        self.assertEqual(summary["motions_refused"], 0, "none of them was looked at")
+        self.assertIn("lcm.key_file", summary["latched_reasons"])
+        self.assertGreaterEqual(len(attacked_at), motions)
+        self.assertLess(max(math.dist(attacked_at[stamp], whole[stamp]) for stamp in attacked_at), 0.05)
 
     def test_a_played_log_drives_the_daemon_to_the_same_map(self):
         if self.player is None:

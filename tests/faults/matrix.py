@@ -121,11 +121,10 @@ ROWS = (
         {f"recover of {stopped} s": 1.0 for stopped in ("0.1", "0.5", "2.0")}),
     Row(35, "a stage hangs", S, "ends by the watchdog <= 0.5 s and the saving; OK again <= 3 s",
         daemon("faults", "saves_what_is_known_when_a_stage_hangs"), {"flag": 0.5, "recover": 3.0},
-        "pipeline.watchdog_ms is 2000 by default; restarted by hand here"),
+        "restarted by hand here"),
     Row(36, "kill -9 and power cuts at random times", S, "<= 2 s of map lost; no unreadable file; pose back <= 3 s",
         daemon("world", "a_kill_or_power_cut_at_any_moment_loses_two_seconds_at_most")
-        + daemon("outputs", "a_kill_at_any_moment_leaves_whole_results_alone"), {"lost": 2.0},
-        "when the pose is back is not measured"),
+        + daemon("outputs", "a_kill_at_any_moment_leaves_whole_results_alone"), {"lost": 2.0, "pose back": 3.0}),
     Row(37, "disk full, read-only, EIO on fsync", L, "runs on; what was saved stays; flagged",
         daemon("world", "goes_on_beside_a_full_disk", "goes_on_beside_a_read_only_disk", "goes_on_beside_a_broken_disk")
         + daemon("outputs", "a_full_disk_damages_nothing_and_is_told_until_there_is_room",

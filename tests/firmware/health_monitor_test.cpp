@@ -172,6 +172,8 @@ INSTANTIATE_TEST_SUITE_P(
                 kBadScans_ns},
         Growing{"Motions", kReasonBadMotions,
                 [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.motions_refused; }},
+        Growing{"Forged", kReasonNotAuthentic, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.forged; }},
+        Growing{"Replayed", kReasonNotAuthentic, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.replayed; }},
         Growing{"Servo", kReasonBadTilt, [](auto& sensor, auto&, auto&, auto&) { ++sensor.tilt.refused; }},
         Growing{"Late", kReasonBadScans, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.late; }, kBadScans_ns},
         Growing{"Dropped", kReasonOverload, [](auto& sensor, auto&, auto&, auto&) { ++sensor.source.dropped; }},
@@ -196,7 +198,7 @@ TEST(HealthText, SaysWhatTheStampsWereLike) {
 
 TEST(HealthText, EveryReasonHasItsOwnWords) {
   std::string before;
-  for (std::uint32_t reason = 1; reason <= kReasonBadMotions; reason <<= 1U) {
+  for (std::uint32_t reason = 1; reason <= kReasonNotAuthentic; reason <<= 1U) {
     const std::string text = reasons_text(reason);
     EXPECT_FALSE(text.empty()) << reason;
     EXPECT_NE(text, before);

@@ -52,7 +52,7 @@ class OperationTest(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which("systemd-analyze"), "systemd-analyze " + SKIP)
     def test_the_unit_gives_little_away(self):
-        outcome = run("systemd-analyze", "security", "--offline=true", "--threshold=25", self.runnable_unit())
+        outcome = run("systemd-analyze", "security", "--offline=true", "--threshold=18", self.runnable_unit())
         self.assertEqual(outcome.returncode, 0, outcome.stdout[-300:] + outcome.stderr)
 
     def test_the_unit_starts_the_program_with_arguments_that_it_knows(self):

@@ -81,6 +81,8 @@ nlohmann::ordered_json summary_of(const DaemonResult& result) {
   summary["scans_accepted"] = health.lrf.accepted;
   summary["scans_rejected"] = health.lrf.rejected;
   summary["motions_refused"] = health.lrf.motions_refused;
+  summary["messages_forged"] = health.lrf.forged;
+  summary["messages_replayed"] = health.lrf.replayed;
   summary["scans_dropped"] = health.lrf.dropped;
   summary["scans_late"] = health.lrf.late;
   summary["scan_times"] = times_text(health.lrf.times);
