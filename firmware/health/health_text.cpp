@@ -8,7 +8,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<const char*, 24> kReasonTexts{"no scans",
+constexpr std::array<const char*, 25> kReasonTexts{"no scans",
                                                    "the laser cannot be opened",
                                                    "scans are refused",
                                                    "the laser sees nothing",
@@ -31,7 +31,8 @@ constexpr std::array<const char*, 24> kReasonTexts{"no scans",
                                                    "the laser is not level",
                                                    "the 3D map is full",
                                                    "answers of the tilt servo are missing or wrong",
-                                                   "motions of the matcher elsewhere are refused"};
+                                                   "motions of the matcher elsewhere are refused",
+                                                   "the laser sweeps as it was told, and poses come when it is level"};
 
 }  // namespace
 

@@ -44,6 +44,7 @@ enum HealthReason : std::uint32_t {
   kReasonCloudFull = 1U << 21,      ///< the 3D map has no room for what is seen: what it has stays
   kReasonBadTilt = 1U << 22,        ///< the tilt servo's answers are refused, or don't come
   kReasonBadMotions = 1U << 23,     ///< motions of a matcher elsewhere are refused: forged, or of another clock
+  kReasonSweep = 1U << 24,          ///< the laser sweeps, as it was told: poses come when it passes the level
 };
 
 /// The scan source since start. Rates and ages are taken at the time of the report.
