@@ -27,10 +27,13 @@ bool is_limited(const LaserMountParams& params) { return params.angle_max_rad - 
 }  // namespace
 
 LaserMount::LaserMount(const LaserMountParams& params, int beams_max)
-    : params_(params), place_(LaserPlace::of(params)), has_sectors_(is_limited(params) || !params.ignore.empty()) {
+    : params_(params),
+      place_(LaserPlace::of(params)),
+      has_sectors_(is_limited(params) || !params.ignore.empty()),
+      beams_max_(static_cast<std::size_t>(beams_max)) {
   ODOLESS_CHECK(parameters_in_range(params));
-  ignored_.reserve(static_cast<std::size_t>(beams_max));
-  ranges_m_.reserve(static_cast<std::size_t>(beams_max));
+  ignored_.reserve(beams_max_);
+  ranges_m_.reserve(beams_max_);
 }
 
 bool LaserMount::is_ignored(double bearing_rad) const {
@@ -41,8 +44,7 @@ bool LaserMount::is_ignored(double bearing_rad) const {
 }
 
 bool LaserMount::fits(const RawScan& raw) const {
-  return raw.ranges_m.size() <= ranges_m_.capacity() && std::isfinite(raw.start_angle_rad) &&
-         std::isfinite(raw.angle_step_rad);
+  return raw.ranges_m.size() <= beams_max_ && std::isfinite(raw.start_angle_rad) && std::isfinite(raw.angle_step_rad);
 }
 
 void LaserMount::look_at(const RawScan& raw) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -40,6 +41,7 @@ class LaserMount {
   LaserMountParams params_;
   LaserPlace place_;
   bool has_sectors_;
+  std::size_t beams_max_;
   double start_angle_rad_ = 0.0;
   double angle_step_rad_ = 0.0;
   std::vector<std::uint8_t> ignored_;  ///< by the laser's beam; as many as the last scan had
