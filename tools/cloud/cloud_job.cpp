@@ -79,7 +79,7 @@ void mount_scans(TiltLog& log, const RobotParams& params) {
     scan.start_angle_rad = mounted.start_angle_rad;
     scan.first_beam_ns = mounted.first_beam_ns;
     scan.beam_period_ns = mounted.beam_period_ns;
-    std::copy(mounted.ranges_m.begin(), mounted.ranges_m.end(), scan.ranges_m.begin());
+    scan.ranges_m = std::vector<float>(mounted.ranges_m.begin(), mounted.ranges_m.end());
   }
 }
 
