@@ -86,6 +86,24 @@ void EntryCollector::text(const char* name, std::string& value, const char* text
                       .set = [&value](const Entry::Value& words) { value = std::get<std::string>(words); }});
 }
 
+void EntryCollector::sectors(const char* name, std::vector<AngleSector>& value, const char* text) {
+  const FileUnit& unit = file_unit("_rad");
+  auto get = [&value, &unit] {
+    Entry::Sectors degrees;
+    for (const AngleSector& sector : value) {
+      degrees.push_back({to_file(unit, sector.from_rad), to_file(unit, sector.to_rad)});
+    }
+    return degrees;
+  };
+  auto set = [&value, &unit](const Entry::Value& wanted) {
+    value.clear();
+    for (const auto& [from_deg, to_deg] : std::get<Entry::Sectors>(wanted)) {
+      value.push_back({from_file(unit, from_deg), from_file(unit, to_deg)});
+    }
+  };
+  entries_.push_back({.key = prefix_ + name, .text = text, .get = std::move(get), .set = std::move(set)});
+}
+
 void EntryCollector::add_choice(const char* name, std::span<const char* const> names, const char* text,
                                 std::function<std::size_t()> get_index, std::function<void(std::size_t)> set_index) {
   auto get = [names, get_index = std::move(get_index)] {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -17,9 +18,10 @@ namespace odoless {
 
 /// One parameter with its struct's type erased, in the names and units of the file.
 struct Entry {
-  /// The alternative tells the kind: real number, whole number, flag, or text; a choice is a text
+  /// The alternative tells the kind: real number, whole number, flag, text, or sectors in degrees; a choice is a text
   /// that must be one of `names`.
-  using Value = std::variant<double, std::int64_t, bool, std::string>;
+  using Sectors = std::vector<std::array<double, 2>>;
+  using Value = std::variant<double, std::int64_t, bool, std::string, Sectors>;
 
   std::string key;  ///< with its groups: matcher.cell_size_m
   std::string text;
@@ -43,6 +45,7 @@ class EntryCollector {
   void value(const char* name, std::int64_t& value, Range<std::int64_t> range, const char* text);
   void flag(const char* name, bool& value, const char* text);
   void text(const char* name, std::string& value, const char* text);
+  void sectors(const char* name, std::vector<AngleSector>& value, const char* text);
   template <class Enum>
   void choice(const char* name, Enum& value, std::span<const char* const> names, const char* text) {
     static_assert(std::is_enum_v<Enum>);

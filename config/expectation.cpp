@@ -70,6 +70,13 @@ std::string value_text(const Entry::Value& value) {
   if (const auto* const flag = std::get_if<bool>(&value)) {
     return *flag ? "true" : "false";
   }
+  if (const auto* const sectors = std::get_if<Entry::Sectors>(&value)) {
+    std::vector<std::string> pairs;
+    for (const auto& [from_deg, to_deg] : *sectors) {
+      pairs.push_back(fmt::format("[{}, {}]", real_text(from_deg), real_text(to_deg)));
+    }
+    return fmt::format("[{}]", fmt::join(pairs, ", "));
+  }
   return quoted(std::get<std::string>(value));
 }
 
@@ -86,11 +93,15 @@ std::string range_text(const Entry& entry) {
   if (std::holds_alternative<bool>(entry.get()) || is_text(entry)) {
     return {};
   }
+  if (std::holds_alternative<Entry::Sectors>(entry.get())) {
+    return fmt::format("at most {} pairs of -360 to 360 deg", kSectorsMax);
+  }
   return fmt::format("{} to {}", bound_text(entry.min, std::ceil), bound_text(entry.max, std::floor));
 }
 
 std::string expectation(const Entry& entry) {
-  constexpr std::array<std::string_view, 4> kForms{"{}", "a whole number, {}", "true or false", "{}"};
+  constexpr std::array<std::string_view, 5> kForms{"{}", "a whole number, {}", "true or false", "{}",
+                                                   "a list of sectors [from, to], {}"};
   std::string meaning = entry.text;
   if (meaning.ends_with('.')) {
     meaning.pop_back();
@@ -105,7 +116,7 @@ std::string expectation(const Entry& entry) {
 }
 
 std::string_view kind_name(const Entry& entry) {
-  constexpr std::array<std::string_view, 4> kNames{"number", "integer", "boolean", "choice"};
+  constexpr std::array<std::string_view, 5> kNames{"number", "integer", "boolean", "choice", "sectors"};
   return is_text(entry) ? "text" : kNames[entry.get().index()];
 }
 

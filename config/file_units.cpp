@@ -21,12 +21,35 @@ constexpr std::array<FileUnit, 5> kUnits{{
 }};
 
 using Symbol = std::pair<std::string_view, std::string_view>;
-constexpr std::array<Symbol, 26> kSymbols{{
-    {"_1_m2", "1/m²"}, {"_degps2", "deg/s²"}, {"_per_m", "1/m"},   {"_per_deg", "1/deg"}, {"_per_s", "1/s"},
-    {"_mps", "m/s"},   {"_degps", "deg/s"},   {"_mps2", "m/s²"},   {"_m2", "m²"},         {"_m", "m"},
-    {"_mm", "mm"},     {"_deg2", "deg²"},     {"_deg", "deg"},     {"_ms", "ms"},         {"_us", "µs"},
-    {"_s", "s"},       {"_hz", "Hz"},         {"_cells", "cells"}, {"_bytes", "bytes"},   {"_mb", "MB"},
-    {"_px", "px"},     {"_percent", "%"},     {"_rad2", "rad²"},   {"_beams", "beams"},   {"_degrees", "degrees"},
+constexpr std::array<Symbol, 29> kSymbols{{
+    {"_m_per_sqrt_m", "m/√m"},
+    {"_rad_per_sqrt_m", "rad/√m"},
+    {"_rad_per_sqrt_deg", "rad/√deg"},
+    {"_1_m2", "1/m²"},
+    {"_degps2", "deg/s²"},
+    {"_per_m", "1/m"},
+    {"_per_deg", "1/deg"},
+    {"_per_s", "1/s"},
+    {"_mps", "m/s"},
+    {"_degps", "deg/s"},
+    {"_mps2", "m/s²"},
+    {"_m2", "m²"},
+    {"_m", "m"},
+    {"_mm", "mm"},
+    {"_deg2", "deg²"},
+    {"_deg", "deg"},
+    {"_ms", "ms"},
+    {"_us", "µs"},
+    {"_s", "s"},
+    {"_hz", "Hz"},
+    {"_cells", "cells"},
+    {"_bytes", "bytes"},
+    {"_mb", "MB"},
+    {"_px", "px"},
+    {"_percent", "%"},
+    {"_rad2", "rad²"},
+    {"_beams", "beams"},
+    {"_degrees", "degrees"},
     {"_v", "V"},
 }};
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <optional>
@@ -80,13 +81,40 @@ class Loader {
     if (std::holds_alternative<bool>(kind) && node.is_boolean()) {
       return node.as_boolean()->get();
     }
+    if (std::holds_alternative<Entry::Sectors>(kind) && node.is_array()) {
+      return read_sectors(*node.as_array());
+    }
     if (std::holds_alternative<std::string>(kind) && node.is_string()) {
       return node.as_string()->get();
     }
     return std::nullopt;
   }
 
+  /// Pairs of numbers; nothing where it is anything else.
+  static std::optional<Entry::Value> read_sectors(const toml::array& array) {
+    Entry::Sectors sectors;
+    for (const toml::node& node : array) {
+      const toml::array* const pair = node.as_array();
+      if (pair == nullptr || pair->size() != 2 || !(*pair)[0].is_number() || !(*pair)[1].is_number()) {
+        return std::nullopt;
+      }
+      sectors.push_back({(*pair)[0].value_or(0.0), (*pair)[1].value_or(0.0)});
+    }
+    return sectors;
+  }
+
+  static bool are_sectors(const Entry::Sectors& sectors) {
+    constexpr double kEnd_max_deg = 360.0;
+    const auto is_end = [](double angle_deg) { return std::abs(angle_deg) <= kEnd_max_deg; };  // false for NaN
+    return sectors.size() <= kSectorsMax && std::all_of(sectors.begin(), sectors.end(), [&](const auto& sector) {
+             return is_end(sector[0]) && is_end(sector[1]);
+           });
+  }
+
   static bool in_range(const Entry& entry, const Entry::Value& value) {
+    if (const auto* const sectors = std::get_if<Entry::Sectors>(&value)) {
+      return are_sectors(*sectors);
+    }
     if (const auto* const name = std::get_if<std::string>(&value)) {
       return entry.names.empty() ? is_parameter_text(*name)
                                  : std::find(entry.names.begin(), entry.names.end(), *name) != entry.names.end();

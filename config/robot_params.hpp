@@ -4,6 +4,7 @@
 #include "core/match/matcher_params.hpp"
 #include "core/motion/robot_limits.hpp"
 #include "core/odometry/laser_odometry.hpp"
+#include "core/scan/laser_mount_params.hpp"
 #include "core/scan/scan_frame.hpp"
 #include "core/slam/recovery_params.hpp"
 #include "core/slam/slam_params.hpp"
@@ -27,6 +28,7 @@ struct GateParams {
 /// All that a configuration file can say.
 struct RobotParams {
   RobotLimits limits;
+  LaserMountParams mount;
   ScanParams scan;
   MatcherParams matcher;
   LaserOdometryParams odometry;
@@ -38,6 +40,7 @@ struct RobotParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.group("robot", self.limits, "How the robot, or whoever carries the laser, can move.");
+    visit.group("lrf.mount", self.mount, "How the laser is mounted on the robot, and which beams are used.");
     visit.group("scan", self.scan, "What of a scan is used.");
     visit.group("matcher", self.matcher, "Scan matching: NDT and Differential Evolution.");
     visit.group("odometry", self.odometry, "Tracking from scan to scan against a local map.");

@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 namespace odoless {
 
@@ -18,6 +19,16 @@ Range(T, T) -> Range<T>;  // clang 14 does not deduce aggregates by itself
 
 /// Longest text of a parameter: a path or an address is shorter.
 inline constexpr std::size_t kTextMaxBytes = 1024;
+
+/// Angles counter-clockwise from the first to the second.
+struct AngleSector {
+  double from_rad = 0.0;
+  double to_rad = 0.0;
+};
+
+/// Of a parameter that is a list of sectors: how many, and how far from 0 each end.
+inline constexpr std::size_t kSectorsMax = 16;
+inline constexpr double kSectorEnd_max_rad = 6.283185307179586;
 
 /// Whether a text can be a parameter: one line, not too long. Anything else is a mistake or an attack.
 [[nodiscard]] constexpr bool is_parameter_text(std::string_view text) {
@@ -37,13 +48,15 @@ inline constexpr std::size_t kTextMaxBytes = 1024;
 ///     visit.flag("refine", self.refine, "Whether a Newton step ends the search.");
 ///     visit.choice("strategy", self.strategy, kStrategyNames, "Mutation of Differential Evolution.");
 ///     visit.text("device", self.device, "Path of the laser's serial port.");
+///     visit.sectors("ignore", self.ignore, "Sectors that the robot itself is seen in.");
 ///     visit.group("grid", self.grid, "The map's grid.");
 ///   }
 ///
 /// `Self` is the struct or its const form. A value is double, int or std::int64_t; its name ends in its unit.
 /// Configuration files show _rad as _deg and _ns as _ms. A choice is an enumeration that counts from 0, with one name
-/// per enumerator. A text is a std::string of one line. From this one description come the TOML reader and writer, the
-/// range checks and the reference page.
+/// per enumerator. A text is a std::string of one line, sectors are a
+/// std::vector<AngleSector>, which files show as pairs of degrees. From this one description come the TOML reader and
+/// writer, the range checks and the reference page.
 template <class Params>
 [[nodiscard]] bool parameters_in_range(const Params& params);
 
@@ -61,6 +74,12 @@ class RangeChecker {
     ok_ = ok_ && static_cast<std::size_t>(value) < names.size();
   }
   void text(const char*, std::string_view value, const char*) { ok_ = ok_ && is_parameter_text(value); }
+  void sectors(const char*, std::span<const AngleSector> sectors, const char*) {
+    ok_ = ok_ && sectors.size() <= kSectorsMax;
+    for (const AngleSector& sector : sectors) {
+      ok_ = ok_ && is_end(sector.from_rad) && is_end(sector.to_rad);
+    }
+  }
   template <class Group>
   void group(const char*, const Group& group, const char*) {
     Group::describe(group, *this);
@@ -68,6 +87,10 @@ class RangeChecker {
   [[nodiscard]] bool ok() const { return ok_; }
 
  private:
+  static bool is_end(double angle_rad) {  // false for NaN
+    return angle_rad >= -kSectorEnd_max_rad && angle_rad <= kSectorEnd_max_rad;
+  }
+
   bool ok_ = true;
 };
 

@@ -53,6 +53,7 @@ Errc ScanFrame::assign(const RawScan& raw) {
   stamp_ns_ = raw.stamp_ns;
   time_ = ScanTime{.time_ns = raw.stamp_ns};
   stale_ = false;
+  first_beam_ns_ = raw.first_beam_ns;
   beam_period_ns_ = raw.beam_period_ns;
   deskewed_s_ = 0.0;
   size_ = static_cast<int>(raw.ranges_m.size());
@@ -72,10 +73,13 @@ void ScanFrame::deskew(const Velocity2& velocity) {
   const double period_s = static_cast<double>(std::exchange(beam_period_ns_, 0)) * 1e-9;
   const bool is_credible = math::hypot(velocity.x_mps, velocity.y_mps) <= kDeskew_max_mps &&
                            std::abs(velocity.yaw_radps) <= kDeskew_max_radps;  // false for NaN
-  if (period_s <= 0.0 || period_s * size_ > kDeskew_max_s || !is_credible) {
+  const double first_s = static_cast<double>(first_beam_ns_) * 1e-9;
+  const double sweep_s = std::abs(period_s) * size_;
+  if (sweep_s <= 0.0 || sweep_s > kDeskew_max_s || !is_credible) {
     return;
   }
-  deskewed_s_ = period_s * size_;
+  deskewed_s_ = sweep_s;
+  start_angle_rad_ += velocity.yaw_radps * first_s;
   angle_step_rad_ += velocity.yaw_radps * period_s;
   for (int i = 0; i < size_; ++i) {
     const auto beam = static_cast<std::size_t>(i);
@@ -85,7 +89,7 @@ void ScanFrame::deskew(const Velocity2& velocity) {
     if (!is_return(i)) {
       continue;
     }
-    const double time_s = i * period_s;
+    const double time_s = first_s + i * period_s;
     const Point2 p{range_m(i) * direction.x_m + velocity.x_mps * time_s,
                    range_m(i) * direction.y_m + velocity.y_mps * time_s};
     const double distance_m = math::hypot(p.x_m, p.y_m);

@@ -39,8 +39,9 @@ struct ScanParams {
 struct RawScan {
   std::int64_t stamp_ns = 0;  ///< monotonic
   double start_angle_rad = 0.0;
-  double angle_step_rad = 0.0;                                 ///< positive: counter-clockwise
-  std::int64_t beam_period_ns = 0;                             ///< from beam to beam; 0: unknown, or all at once
+  double angle_step_rad = 0.0;      ///< positive: counter-clockwise
+  std::int64_t first_beam_ns = 0;   ///< of the first beam in the list, after the stamp
+  std::int64_t beam_period_ns = 0;  ///< from beam to beam, < 0 where the last was first; 0: unknown, or all at once
   float no_return_m = std::numeric_limits<float>::infinity();  ///< the device's code: this range or more is no return
   std::span<const float> ranges_m{};
 };
@@ -58,7 +59,7 @@ class ScanFrame {
   [[nodiscard]] Errc assign(const RawScan& raw);
 
   /// Puts every beam where it would have been seen from the laser's pose at the stamp, for a laser that moved at
-  /// `velocity` meanwhile; beam `i` was measured `i` beam periods after the stamp. Does nothing where the scan tells no
+  /// `velocity` meanwhile; beam `i` was measured `i` beam periods after the first. Does nothing where the scan tells no
   /// beam period, or one that is too long to tell anything. Once per `assign`; linear in the beams, no allocation.
   void deskew(const Velocity2& velocity);
   /// How long the sweep took of which the motion was taken out; 0: none was.
@@ -107,6 +108,7 @@ class ScanFrame {
   bool stale_ = false;
   double start_angle_rad_ = 0.0;
   double angle_step_rad_ = 0.0;
+  std::int64_t first_beam_ns_ = 0;
   std::int64_t beam_period_ns_ = 0;
   double deskewed_s_ = 0.0;
   int size_ = 0;

@@ -72,7 +72,6 @@ struct LrfParams {
   int cluster = 1;
   int skip = 0;
   bool deskew = false;
-  bool upside_down = false;
   SickVariant sick_variant = SickVariant::k180ByHalf;
   SickUnit sick_unit = SickUnit::kMm;
   RplidarScan rplidar_scan = RplidarScan::kUsual;
@@ -104,8 +103,6 @@ struct LrfParams {
     visit.flag(
         "deskew", self.deskew,
         "Whether the motion during a scan is taken out of it, where the laser tells when each beam was measured.");
-    visit.flag("upside_down", self.upside_down,
-               "Whether the laser hangs upside down, so that its left is the robot's right.");
     visit.choice("sick_variant", self.sick_variant, kSickVariantNames,
                  "Field of view and step of a SICK laser, in degrees.");
     visit.choice("sick_unit", self.sick_unit, kSickUnitNames,

@@ -61,7 +61,7 @@ Parsed parse_pose(std::string_view arguments) {
     return fmt::format("pose: YAW_DEG must be from {0} to {1} deg", -kYawMax_deg, kYawMax_deg);
   }
   return ControlCommand{.kind = Kind::kPose,
-                        .map_T_scan = {numbers[0], numbers[1], wrap_angle(numbers[2] * std::numbers::pi / 180.0)}};
+                        .map_T_robot = {numbers[0], numbers[1], wrap_angle(numbers[2] * std::numbers::pi / 180.0)}};
 }
 
 Parsed parse_tilt(std::string_view arguments) {

@@ -13,7 +13,7 @@ namespace odoless {
 struct ControlCommand {
   enum class Kind { kStatus, kStatusJson, kSave, kReset, kPose, kPause, kResume, kTilt, kStop };
   Kind kind = Kind::kStatus;
-  Pose2 map_T_scan{};                     ///< of kPose: finite, within `kPoseMax_m`
+  Pose2 map_T_robot{};                    ///< of kPose: finite, within `kPoseMax_m`
   TiltCommand tilt = TiltCommand::kStop;  ///< of kTilt
   std::string folder{};                   ///< of kSave: an absolute path; empty: the run's own
   bool is_forced = false;                 ///< of kSave: results in that folder are replaced

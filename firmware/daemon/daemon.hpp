@@ -11,6 +11,7 @@
 
 #include "core/geometry/pose3.hpp"
 #include "core/grid/occupancy_map.hpp"
+#include "core/scan/laser_mount_params.hpp"
 #include "firmware/daemon/daemon_params.hpp"
 #include "firmware/daemon/stages.hpp"
 #include "firmware/publisher/pose_stream.hpp"
@@ -21,8 +22,9 @@ namespace odoless {
 /// What a run has made so far, or in the end.
 struct DaemonResult {
   bool has_trajectory = false;   ///< poses are kept
-  PoseStream trajectory;         ///< one per scan, as known now
+  PoseStream trajectory;         ///< one per scan, as known now; of the scan frame, as all of SLAM
   PoseStream online_trajectory;  ///< as the robot had it at the time
+  LaserPlace laser;              ///< on the robot
   OccupancyMap map;
   std::vector<Point3> cloud;  ///< the 3D map; empty where there is none, or it is not to be saved
   CloudFormat cloud_format = CloudFormat::kNone;

@@ -23,7 +23,8 @@ struct ControlParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.text("socket", self.socket,
-               "Path of the socket that `odoless ctl` talks to, for its owner and group (mode 0660); empty: none.");
+               "Path of the socket that `odoless ctl` talks to, for its owner and group (mode 0660); empty: none. The "
+               "built-in one is in $XDG_RUNTIME_DIR/odoless for a user who may not write to /run/odoless.");
   }
 };
 

@@ -20,7 +20,13 @@ constexpr std::int64_t kSensorBudget_ns = 5'000'000;
 GridGeometry geometry_of(const FilterStage* filter) { return filter != nullptr ? filter->geometry() : GridGeometry{}; }
 
 PublisherParams publisher_params(const DaemonParams& params) {
-  return {params.lcm, params.recorder, params.health, params.lrf.driver, params.mapping_in_use(), params.web.is_used()};
+  return {.lcm = params.lcm,
+          .recorder = params.recorder,
+          .health = params.health,
+          .laser = params.lrf.driver,
+          .mapping = params.mapping_in_use(),
+          .mount = params.robot.mount,
+          .has_page = params.web.is_used()};
 }
 
 CloudFormat format_of(const std::optional<MappingParams>& mapping) {
@@ -51,6 +57,7 @@ std::filesystem::path folder_for_poses(const DaemonOptions& options) {
 Machine::Machine(DaemonOptions& options)
     : stages_(options.stages),
       cloud_format_(format_of(options.params.mapping_in_use())),
+      laser_(LaserPlace::of(options.params.robot.mount)),
       pipeline_(options.params.pipeline, options.params.robot, options.lossless),
       source_(make_source(options)),
       intake_(make_intake(options)),
@@ -131,10 +138,10 @@ std::unique_ptr<ScanSource> Machine::make_source(DaemonOptions& options) {
 
 std::unique_ptr<Intake> Machine::make_intake(const DaemonOptions& options) {
   if (!has_matcher(stages_)) {
-    return std::make_unique<FilterIntake>(pipeline_, clock_, options.params.robot.limits);
+    return std::make_unique<FilterIntake>(pipeline_, clock_, options.params.robot.mount, options.params.robot.limits);
   }
   const bool from_lcm = options.params.lrf.driver == LrfDriver::kLcm;
-  return std::make_unique<Intake>(pipeline_, clock_, source_->is_live(), !from_lcm);
+  return std::make_unique<Intake>(pipeline_, clock_, options.params.robot.mount, source_->is_live(), !from_lcm);
 }
 
 Lack Machine::open() {
@@ -251,6 +258,7 @@ int Machine::scheduling_error() const {
 DaemonResult Machine::result(bool is_last) {
   DaemonResult result;
   result.cloud_format = cloud_format_;
+  result.laser = laser_;
   result.has_trajectory = publisher_.keeps_poses();
   if (is_last && filter_) {
     take_last(result);

@@ -82,6 +82,7 @@ class Machine {
   MonotonicClock clock_;
   StageSet stages_;
   CloudFormat cloud_format_;
+  LaserPlace laser_;
   Pipeline pipeline_;
   LineHandover line_;
   GpioSignals gpio_signals_;

@@ -78,9 +78,13 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
   meter.note("matcher: local map, rasters, population");
   const auto filter = std::make_unique<FilterStage>(params.robot, 1);
   meter.note("filter: particles and their maps");
-  const auto publisher = std::make_unique<Publisher>(
-      PublisherParams{params.lcm, params.recorder, params.health, {}, params.mapping_in_use(), params.web.is_used()},
-      filter->geometry(), *pipeline, "");
+  const auto publisher = std::make_unique<Publisher>(PublisherParams{.lcm = params.lcm,
+                                                                     .recorder = params.recorder,
+                                                                     .health = params.health,
+                                                                     .mapping = params.mapping_in_use(),
+                                                                     .mount = params.robot.mount,
+                                                                     .has_page = params.web.is_used()},
+                                                     filter->geometry(), *pipeline, "");
   meter.note("publisher: the map as published and as the page shows it, the 3D map, messages");
   if (params.robot.graph.enabled) {
     publisher->attach(params.robot, 1);

@@ -36,10 +36,10 @@ LineKeeper::Open laser_opener(const DaemonParams& params) {
   };
 }
 
-FilterCommand filter_command_of(const ControlCommand& command, const Publisher& publisher) {
+FilterCommand filter_command_of(const ControlCommand& command, const LaserPlace& laser, const Publisher& publisher) {
   switch (command.kind) {
     case ControlCommand::Kind::kPose:
-      return {FilterCommand::Kind::kSetPose, publisher.to_local(command.map_T_scan)};
+      return {FilterCommand::Kind::kSetPose, publisher.to_local(laser.scan_of(command.map_T_robot))};
     case ControlCommand::Kind::kPause:
       return {FilterCommand::Kind::kPause};
     case ControlCommand::Kind::kResume:
@@ -308,7 +308,8 @@ std::string Supervisor::command_filter(const ControlCommand& command) {
   if (!has_filter(options_.stages)) {
     return "error: the filter runs elsewhere\n";
   }
-  if (!machine_.pipeline().commands.try_push(filter_command_of(command, machine_.publisher()))) {
+  if (!machine_.pipeline().commands.try_push(
+          filter_command_of(command, LaserPlace::of(options_.params.robot.mount), machine_.publisher()))) {
     return "error: too many commands wait\n";
   }
   machine_.pipeline().filter.wake.notify();

@@ -20,6 +20,9 @@ StageHealth health_of(const StageReport& stage) {
 // stopped for a moment has some, cut short or late, and must be OK within a second.
 constexpr std::int64_t kBadScanMemory_ns = 500'000'000;
 
+// A laser that sweeps as it was told passes the level again and again. Without a level scan for longer, poses are old.
+constexpr std::int64_t kSweepMemory_ns = 2'000'000'000;
+
 std::uint32_t when(bool holds, HealthReason reason) { return holds ? reason : 0U; }
 
 }  // namespace
@@ -55,6 +58,10 @@ std::uint32_t HealthMonitor::sensor_reasons(const SensorReport& sensor, const Su
   const std::int64_t age_ns = now_ns - sensor.last_scan_ns;
   const auto silent_ns = static_cast<std::int64_t>(params_.silent_periods * static_cast<double>(sensor.period_ns));
   const bool silent = sensor.last_scan_ns == 0 || age_ns > std::max(silent_ns, std::int64_t{1});
+  const bool has_level_scans =
+      level_scans_.update(sensor.source.accepted - sensor.tilt.held_back, now_ns, kSweepMemory_ns);
+  const bool is_tilted = sensor.tilt.used && !sensor.tilt.level;
+  const bool sweeps = is_tilted && sensor.tilt.sweeps && has_level_scans;
   const bool was_expected = sensor.period_ns > 0 || now_ns - began_ns_ > params_.fault_after_ns;
   return when(silent && was_expected, kReasonNoScans) |
          when(!sensor.open && (surroundings.device_tried || sensor.last_scan_ns != 0), kReasonDeviceClosed) |
@@ -67,7 +74,7 @@ std::uint32_t HealthMonitor::sensor_reasons(const SensorReport& sensor, const Su
               kReasonNotAuthentic) |
          when(sensor.tilt.used && !sensor.tilt.obeys, kReasonTilt) |
          when(tilt_refused_.update(sensor.tilt.refused, now_ns, params_.deadline_memory_ns), kReasonBadTilt) |
-         when(sensor.tilt.used && !sensor.tilt.level, kReasonNotLevel) | when(sensor.blind, kReasonBlind) |
+         when(is_tilted && !sweeps, kReasonNotLevel) | when(sweeps, kReasonSweep) | when(sensor.blind, kReasonBlind) |
          when(sensor.stuck, kReasonStuck) |
          when(lost_datagrams_.update(sensor.source.datagrams_lost, now_ns, params_.deadline_memory_ns),
               kReasonDatagramsLost);
@@ -109,7 +116,7 @@ HealthState HealthMonitor::state_of(const SensorReport& sensor, const FilterRepo
     return HealthState::kLost;
   }
   constexpr std::uint32_t kHarmless =
-      kReasonPaused | kReasonPublishing | kReasonStorage | kReasonStopped | kReasonCloudFull;
+      kReasonPaused | kReasonPublishing | kReasonStorage | kReasonStopped | kReasonCloudFull | kReasonSweep;
   return (report_.reasons & ~kHarmless) != 0 ? HealthState::kDegraded : HealthState::kOk;
 }
 

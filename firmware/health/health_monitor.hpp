@@ -94,6 +94,7 @@ class HealthMonitor {
   Growth unpublished_;
   Growth lost_datagrams_;
   Growth cloud_refused_;
+  Growth level_scans_;
 };
 
 }  // namespace odoless

@@ -8,7 +8,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<const char*, 25> kReasonTexts{"no scans",
+constexpr std::array<const char*, 26> kReasonTexts{"no scans",
                                                    "the laser cannot be opened",
                                                    "scans are refused",
                                                    "the laser sees nothing",
@@ -33,7 +33,8 @@ constexpr std::array<const char*, 25> kReasonTexts{"no scans",
                                                    "answers of the tilt servo are missing or wrong",
                                                    "motions of the matcher elsewhere are refused",
                                                    "LCM messages are refused that are not authentic (lcm.key_file)"
-                                                   " or not new"};
+                                                   " or not new",
+                                                   "the laser sweeps as it was told, and poses come when it is level"};
 
 }  // namespace
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "firmware/health/health_text.hpp"
+#include "firmware/records/robot_pose.hpp"
 
 namespace odoless {
 namespace {
@@ -23,7 +24,7 @@ struct PoseSd {
   double yaw_deg;
 };
 
-PoseSd sd_of(const PoseRecord& pose) {
+PoseSd sd_of(const RobotPose& pose) {
   return {std::sqrt(pose.covariance[0]), std::sqrt(pose.covariance[4]), std::sqrt(pose.covariance[8]) * kDegPerRad};
 }
 
@@ -31,10 +32,11 @@ std::string pose_text(const DaemonStatus& status) {
   if (!status.pose) {
     return "pose: none yet";
   }
-  const Pose2& map_T_scan = status.pose->map_T_scan;
-  const PoseSd sd = sd_of(*status.pose);
+  const RobotPose pose = robot_pose_of(*status.pose);
+  const Pose2& map_T_robot = pose.map_T_robot;
+  const PoseSd sd = sd_of(pose);
   return fmt::format("pose: x {:.2f} m, y {:.2f} m, yaw {:.1f} deg; standard deviations {:.2f} m, {:.2f} m, {:.1f} deg",
-                     map_T_scan.x_m, map_T_scan.y_m, map_T_scan.yaw_rad * kDegPerRad, sd.x_m, sd.y_m, sd.yaw_deg);
+                     map_T_robot.x_m, map_T_robot.y_m, map_T_robot.yaw_rad * kDegPerRad, sd.x_m, sd.y_m, sd.yaw_deg);
 }
 
 std::string cloud_text(const HealthReport& health) {
@@ -103,11 +105,12 @@ Json world_json(const WorldReport& world) {
 }
 
 Json pose_json(const PoseRecord& pose) {
-  const PoseSd sd = sd_of(pose);
+  const RobotPose robot = robot_pose_of(pose);
+  const PoseSd sd = sd_of(robot);
   return {{"stamp_s", static_cast<double>(pose.stamp_ns) * 1e-9},
-          {"x_m", pose.map_T_scan.x_m},
-          {"y_m", pose.map_T_scan.y_m},
-          {"yaw_deg", pose.map_T_scan.yaw_rad * kDegPerRad},
+          {"x_m", robot.map_T_robot.x_m},
+          {"y_m", robot.map_T_robot.y_m},
+          {"yaw_deg", robot.map_T_robot.yaw_rad * kDegPerRad},
           {"sd_x_m", sd.x_m},
           {"sd_y_m", sd.y_m},
           {"sd_yaw_deg", sd.yaw_deg}};

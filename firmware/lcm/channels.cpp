@@ -16,6 +16,7 @@ Channels::Channels(std::string_view prefix) {
   motion = named("MOTION");
   motion_again = named("MOTION_AGAIN");
   pose = named("POSE");
+  laser_pose = named("LASER_POSE");
   pose_covariance = named("POSE_COVARIANCE");
   map_to_odom = named("MAP_TO_ODOM");
   map_tile = named("MAP_TILE");

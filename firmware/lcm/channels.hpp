@@ -26,8 +26,9 @@ struct Channels {
   std::string tilt;             ///< bot_core.joint_state_t, joint "tilt"
   std::string motion;           ///< odoless.motion_t
   std::string motion_again;     ///< the last motion once more
-  std::string pose;             ///< bot_core.pose_t
-  std::string pose_covariance;  ///< odoless.pose_estimate_t
+  std::string pose;             ///< bot_core.pose_t, of the robot
+  std::string laser_pose;       ///< bot_core.pose_t, of the laser on it
+  std::string pose_covariance;  ///< odoless.pose_estimate_t, of the robot
   std::string map_to_odom;      ///< bot_core.rigid_transform_t
   std::string map_tile;         ///< odoless.map_tile_t
   std::string map;              ///< occ_map.pixel_map_t

@@ -244,8 +244,11 @@ Errc LcmLink::publish(const Motion& motion) {
 
 Errc LcmLink::publish(const PoseRecord& pose) {
   const bool fresh = std::abs(pose.stamp_ns - last_motion_.to_stamp_ns) <= kVelocityAgeMaxNs;
-  to_message(pose, fresh ? velocity_of(last_motion_, pose.map_T_scan.yaw_rad) : Velocity{}, messages_->pose);
+  const Velocity velocity = fresh ? velocity_of(last_motion_, pose.map_T_scan.yaw_rad) : Velocity{};
+  to_message(pose, velocity, messages_->pose);
   Errc error = send(channels_.pose, messages_->pose);
+  to_laser_message(pose, velocity, messages_->pose);
+  error = first_error(error, send(channels_.laser_pose, messages_->pose));
   to_message(pose, messages_->pose_estimate);
   error = first_error(error, send(channels_.pose_covariance, messages_->pose_estimate));
   to_message(pose, messages_->map_to_odom);

@@ -6,6 +6,7 @@
 
 #include "core/base/check.hpp"
 #include "core/math/elementary.hpp"
+#include "firmware/records/robot_pose.hpp"
 
 namespace odoless {
 namespace {
@@ -146,11 +147,12 @@ void to_message(const Motion& motion, motion_t& message) {
 }
 
 void to_message(const PoseRecord& pose, pose_estimate_t& message) {
+  const RobotPose robot = robot_pose_of(pose);
   message.utime = utime(pose.stamp_ns);
   message.update_utime = utime(pose.update_stamp_ns);
-  to_array(pose.map_T_scan, message.pose);
-  to_array(pose.update_T_scan, message.step);
-  to_array(pose.covariance, message.covariance);
+  to_array(robot.map_T_robot, message.pose);
+  to_array(robot.update_T_robot, message.step);
+  to_array(robot.covariance, message.covariance);
   message.log_likelihood_per_beam = pose.log_likelihood_per_beam;
   message.particles = pose.particles;
   message.effective_particles = pose.effective_particles;
@@ -158,13 +160,29 @@ void to_message(const PoseRecord& pose, pose_estimate_t& message) {
 }
 
 void to_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose_t& message) {
+  const Pose2 map_T_robot = robot_pose_of(pose).map_T_robot;
+  message = {};
+  message.utime = utime(pose.stamp_ns);
+  message.pos[0] = map_T_robot.x_m;
+  message.pos[1] = map_T_robot.y_m;
+  message.vel[0] = velocity.x_mps - velocity.yaw_radps * (map_T_robot.y_m - pose.map_T_scan.y_m);
+  message.vel[1] = velocity.y_mps + velocity.yaw_radps * (map_T_robot.x_m - pose.map_T_scan.x_m);
+  to_quaternion(map_T_robot.yaw_rad, message.orientation);
+  message.rotation_rate[2] = velocity.yaw_radps;
+}
+
+void to_laser_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose_t& message) {
   message = {};
   message.utime = utime(pose.stamp_ns);
   message.pos[0] = pose.map_T_scan.x_m;
   message.pos[1] = pose.map_T_scan.y_m;
   message.vel[0] = velocity.x_mps;
   message.vel[1] = velocity.y_mps;
-  to_quaternion(pose.map_T_scan.yaw_rad, message.orientation);
+  to_quaternion(pose.map_T_scan.yaw_rad + pose.laser.yaw_rad, message.orientation);
+  if (pose.laser.is_flipped) {  // half a turn about its own x axis, before that
+    std::swap(message.orientation[0], message.orientation[1]);
+    std::swap(message.orientation[3], message.orientation[2]);
+  }
   message.rotation_rate[2] = velocity.yaw_radps;
 }
 
@@ -244,7 +262,8 @@ void to_points(const PoseRecord& pose, const ScanRecord& scan, std::span<const f
     if (!is_return(ranges_m[beam]) || seen++ % stride != 0) {
       continue;
     }
-    const double angle_rad = scan.start_angle_rad + static_cast<double>(beam) * scan.angle_step_rad;
+    const double angle_rad =
+        pose.laser.bearing_rad(scan.start_angle_rad + static_cast<double>(beam) * scan.angle_step_rad);
     const double range_m = ranges_m[beam];
     const Point2 p_map = pose.map_T_scan * Point2{range_m * math::cos(angle_rad), range_m * math::sin(angle_rad)};
     auto& point = message.points[static_cast<std::size_t>(message.n_points++)];

@@ -53,7 +53,10 @@ void to_message(const RawBytesRecord& raw, std::span<const std::byte> bytes, bot
 void to_message(const TiltRecord& tilt, bot_core::joint_state_t& message);
 void to_message(const Motion& motion, motion_t& message);
 void to_message(const PoseRecord& pose, pose_estimate_t& message);
+/// Of the robot. @param velocity  Of the laser.
 void to_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose_t& message);
+/// Of the laser: what takes its scan's own coordinates to the map; where left and right are swapped, with half a roll.
+void to_laser_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose_t& message);
 void to_message(const HealthReport& health, health_t& message);
 void to_message(const CloudHealth& cloud, std::int64_t stamp_ns, cloud_health_t& message);
 /// All but the data, which are compressed.

@@ -42,6 +42,7 @@ struct TiltReport {
   bool used = false;
   bool obeys = true;           ///< it is there, without fault, and does what it was told
   bool level = true;           ///< the laser's plane is
+  bool sweeps = false;         ///< as it was told
   std::int64_t refused = 0;    ///< its answers that were refused, and those that did not come
   std::int64_t held_back = 0;  ///< scans that were not given to 2D SLAM, for the laser was not level
 };

@@ -15,9 +15,10 @@ std::int64_t last_beam_ns(const ScanRecord& scan) {
 
 }  // namespace
 
-CloudFeed::CloudFeed(const MappingParams& params, int beams_max)
+CloudFeed::CloudFeed(const MappingParams& params, int beams_max, const LaserMountParams& mount)
     : params_(params),
       mapper_(params.cloud, TiltMount(params.mount), beams_max),
+      mount_(mount, beams_max),
       frame_({.beams_max = beams_max, .range_max_m = params.cloud.range_max_m}),
       tilts_(to_ns(params.angle_gap_max_s)),
       odom_T_scan_(kPoses, to_ns(params.pose_gap_max_s), params.yaw_doubt_max_rad),
@@ -125,15 +126,18 @@ void CloudFeed::map(const Waiting& waiting) {
                     .angle_step_rad = waiting.scan.angle_step_rad,
                     .beam_period_ns = waiting.scan.beam_period_ns,
                     .ranges_m = waiting.ranges_m};
-  if (frame_.assign(raw) != Errc::kOk) {
+  const RawScan mounted = mount_.apply(raw);
+  if (frame_.assign(mounted) != Errc::kOk) {
     return;
   }
+  const std::int64_t first_ns = mounted.stamp_ns + mounted.first_beam_ns;
+  const std::int64_t last_ns = first_ns + (frame_.size() - 1) * mounted.beam_period_ns;
   tilts_rad_.clear();
   for (int beam = 0; beam < frame_.size(); ++beam) {
-    const Result<double> tilt = tilts_.angle_rad(raw.stamp_ns + beam * raw.beam_period_ns);
+    const Result<double> tilt = tilts_.angle_rad(first_ns + beam * mounted.beam_period_ns);
     tilts_rad_.push_back(tilt.ok() ? tilt.value() : std::numeric_limits<double>::quiet_NaN());
   }
-  const ScanMotion odom{odom_T_scan_.at(raw.stamp_ns).value(), odom_T_scan_.at(last_beam_ns(waiting.scan)).value()};
+  const ScanMotion odom{odom_T_scan_.at(first_ns).value(), odom_T_scan_.at(last_ns).value()};
   mapper_.add(frame_, tilts_rad_, odom, pose_.map_T_odom);
   remember_keys(raw.stamp_ns);
 }

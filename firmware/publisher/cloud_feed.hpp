@@ -9,6 +9,7 @@
 #include "core/cloud/mapping_params.hpp"
 #include "core/cloud/pose_track.hpp"
 #include "core/geometry/stamped_pose.hpp"
+#include "core/scan/laser_mount.hpp"
 #include "drivers/tilt/tilt_history.hpp"
 #include "firmware/records/cloud_piece.hpp"
 #include "firmware/records/health.hpp"
@@ -24,7 +25,7 @@ namespace odoless {
 ///         kScansPerRound scans, `finish` all that wait.
 class CloudFeed {
  public:
-  CloudFeed(const MappingParams& params, int beams_max);
+  CloudFeed(const MappingParams& params, int beams_max, const LaserMountParams& mount = {});
 
   void add(const TiltRecord& tilt);
   void add(const ScanRecord& scan, std::span<const float> ranges_m);
@@ -81,6 +82,7 @@ class CloudFeed {
 
   MappingParams params_;
   CloudMapper mapper_;
+  LaserMount mount_;
   ScanFrame frame_;
   TiltHistory tilts_;
   PoseTrack odom_T_scan_;

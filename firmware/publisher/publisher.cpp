@@ -15,7 +15,8 @@ Publisher::Publisher(const PublisherParams& params, const GridGeometry& geometry
       recorder_(params.recorder),
       monitor_(params.health),
       map_(geometry),
-      cloud_(params.mapping ? std::make_unique<CloudFeed>(*params.mapping, pipeline.pool.beams_max()) : nullptr),
+      cloud_(params.mapping ? std::make_unique<CloudFeed>(*params.mapping, pipeline.pool.beams_max(), params.mount)
+                            : nullptr),
       live_(params.has_page ? std::make_unique<LiveView>(geometry) : nullptr),
       poses_(folder),
       wants_link_(!params.lcm.url.empty()),

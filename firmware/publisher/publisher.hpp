@@ -31,6 +31,7 @@ struct PublisherParams {
   HealthParams health;
   LrfDriver laser = LrfDriver::kLcm;
   std::optional<MappingParams> mapping{};  ///< none: no 3D map
+  LaserMountParams mount{};                ///< of the laser
   bool has_page = false;
 };
 

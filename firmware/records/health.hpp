@@ -45,6 +45,7 @@ enum HealthReason : std::uint32_t {
   kReasonBadTilt = 1U << 22,        ///< the tilt servo's answers are refused, or don't come
   kReasonBadMotions = 1U << 23,     ///< motions of a matcher elsewhere are refused: forged, or of another clock
   kReasonNotAuthentic = 1U << 24,   ///< messages are refused that are not of who has the key, or not of now
+  kReasonSweep = 1U << 25,          ///< the laser sweeps, as it was told: poses come when it passes the level
 };
 
 /// The scan source since start. Rates and ages are taken at the time of the report.

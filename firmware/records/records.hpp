@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/motion/motion.hpp"
+#include "core/scan/laser_mount_params.hpp"
 
 namespace odoless {
 
@@ -27,7 +28,8 @@ enum class RecordType : std::uint32_t {
   kKeyframe
 };
 
-/// A scan as the device gave it. Followed by `beams` floats: range in metres; infinity: no return; 0: nothing is known.
+/// A scan as the device gave it, in its own frame; beams in ignored sectors are 0. Followed by `beams` floats: range in
+/// metres; infinity: no return; 0: nothing is known.
 struct ScanRecord {
   std::int64_t stamp_ns = 0;
   double start_angle_rad = 0.0;  ///< exact in single precision, as is the step
@@ -48,7 +50,7 @@ struct RawBytesRecord {
   RawLine line = RawLine::kLaser;
 };
 
-/// Where the scan is in the map, as known now.
+/// Where the scan is in the map, as known now. What is told outside is of the robot: RobotPose.
 struct PoseRecord {
   std::int64_t stamp_ns = 0;
   Pose2 map_T_scan{};
@@ -61,6 +63,7 @@ struct PoseRecord {
   double log_likelihood_per_beam = 0.0;
   std::int32_t particles = 0;
   std::int32_t updated = 0;     ///< 1: this scan was an update
+  LaserPlace laser{};           ///< on the robot
   std::int32_t map_number = 0;  ///< grows when the map is begun anew
 };
 

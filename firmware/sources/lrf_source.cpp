@@ -168,9 +168,8 @@ void LrfSource::on_scan(const LrfScan& scan) {
   told_device_status_.reset();
   RawScan raw;
   raw.stamp_ns = synchronized_ns(scan.stamp_ns);
-  const double sense = params_.upside_down ? -1.0 : 1.0;
-  raw.start_angle_rad = sense * scan.start_angle_rad;
-  raw.angle_step_rad = sense * scan.angle_step_rad;
+  raw.start_angle_rad = scan.start_angle_rad;
+  raw.angle_step_rad = scan.angle_step_rad;
   raw.beam_period_ns = params_.deskew ? scan.beam_period_ns : 0;
   raw.ranges_m = scan.ranges_m;
   sink_->on_scan(raw);

@@ -143,6 +143,7 @@ TiltReport TiltSource::report() const {
   return {.used = true,
           .obeys = obeys,
           .level = has_angle_ && is_level(last_angle_rad_),
+          .sweeps = state == TiltState::kSweeping,
           .refused = static_cast<std::int64_t>(counters.rejected + counters.timeouts)};
 }
 

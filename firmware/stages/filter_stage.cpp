@@ -16,7 +16,10 @@ double within_ok(const Motion& motion) {
 }  // namespace
 
 FilterStage::FilterStage(const RobotParams& params, std::uint64_t seed)
-    : gate_(params.gate), filter_(params.slam, params.scan, seed), recovery_(params.recovery, params.scan, filter_) {}
+    : gate_(params.gate),
+      laser_(LaserPlace::of(params.mount)),
+      filter_(params.slam, params.scan, seed),
+      recovery_(params.recovery, params.scan, filter_) {}
 
 bool FilterStage::gate_is_open() const {
   const Pose2& update_T_scan = since_update_.previous_T_current;

@@ -56,6 +56,8 @@ class FilterStage {
   /// For a live filter that must keep its time; a replay runs with all (Slam::set_particles).
   void set_particles(int wanted) { filter_.set_particles(wanted); }
 
+  /// On the robot.
+  [[nodiscard]] const LaserPlace& laser() const { return laser_; }
   [[nodiscard]] Slam& filter() { return filter_; }
   [[nodiscard]] Tracking tracking() const { return recovery_.state(); }
 
@@ -71,6 +73,7 @@ class FilterStage {
   [[nodiscard]] FilterStep placed(FilterStep out, const Motion& motion) const;
 
   GateParams gate_;
+  LaserPlace laser_;
   Slam filter_;
   Recovery recovery_;
   Motion since_update_{};  ///< to the last motion's end

@@ -47,7 +47,7 @@ ScanVerdict SensorStage::process(const RawScan& raw, std::int64_t now_ns, ScanFr
   if (verdict != ScanVerdict::kAccepted) {
     return verdict;
   }
-  if (frame.assign(raw) != Errc::kOk) {
+  if (frame.assign(mount_.apply(raw)) != Errc::kOk) {
     ++counts_.rejected;
     return ScanVerdict::kMalformed;
   }

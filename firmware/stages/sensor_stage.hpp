@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/scan/laser_mount.hpp"
 #include "core/scan/scan_clock.hpp"
 #include "core/scan/scan_frame.hpp"
 #include "core/scan/stuck_detector.hpp"
@@ -23,10 +24,15 @@ enum class ScanVerdict { kAccepted, kMalformed, kDuplicate, kOutOfOrder, kLate, 
 class SensorStage {
  public:
   /// @param live  Scans come as they are taken, and bear the time of now: what is late or out of order is refused.
-  SensorStage(bool live, int beams_max) : live_(live), stuck_(beams_max) {}
+  SensorStage(bool live, int beams_max, const LaserMountParams& mount = {})
+      : live_(live), mount_(mount, beams_max), stuck_(beams_max) {}
 
-  /// Puts an accepted scan into `frame`, with its time, and leaves it as it was otherwise.
+  /// Puts an accepted scan into `frame`, as it is mounted and with its time; leaves the frame as it was otherwise.
+  /// @param raw  As the laser says it.
   [[nodiscard]] ScanVerdict process(const RawScan& raw, std::int64_t now_ns, ScanFrame& frame);
+
+  /// Of ranges as the laser says them, those in sectors that are ignored become 0.
+  void mask(const RawScan& raw, std::span<float> ranges_m) { mount_.mask(raw, ranges_m); }
 
   [[nodiscard]] const SourceHealth& counts() const { return counts_; }
   [[nodiscard]] std::int64_t last_scan_ns() const { return last_scan_ns_; }
@@ -48,6 +54,7 @@ class SensorStage {
   void observe(const RawScan& raw, std::uint64_t digest, std::int64_t now_ns, ScanFrame& frame);
 
   bool live_;
+  LaserMount mount_;
   SourceHealth counts_;
   ScanClock clock_;
   std::int64_t last_stamp_ns_ = std::numeric_limits<std::int64_t>::min();

@@ -5,7 +5,10 @@
 namespace odoless {
 
 StageChain::StageChain(const RobotParams& params, std::uint64_t seed, bool live)
-    : sensor_(live, params.scan.beams_max), matcher_(params, seed), filter_(params, seed), frame_(params.scan) {}
+    : sensor_(live, params.scan.beams_max, params.mount),
+      matcher_(params, seed),
+      filter_(params, seed),
+      frame_(params.scan) {}
 
 ChainStep StageChain::process(const RawScan& raw, std::int64_t now_ns, bool is_level) {
   ChainStep step{.verdict = sensor_.process(raw, now_ns, frame_), .stamp_ns = raw.stamp_ns};

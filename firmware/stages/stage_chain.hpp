@@ -32,6 +32,7 @@ class StageChain {
   [[nodiscard]] ChainStep process(const RawScan& raw, std::int64_t now_ns, bool is_level = true);
 
   [[nodiscard]] const SensorStage& sensor() const { return sensor_; }
+  [[nodiscard]] SensorStage& sensor() { return sensor_; }
   [[nodiscard]] FilterStage& filter() { return filter_; }
   /// Of the last scan that was accepted, as the matcher left it.
   [[nodiscard]] const ScanFrame& frame() const { return frame_; }

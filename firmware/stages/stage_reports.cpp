@@ -26,6 +26,7 @@ PoseRecord pose_record_of(const FilterStep& step, const PoseEstimate& estimate, 
                           std::int64_t stamp_ns) {
   PoseRecord record;
   record.stamp_ns = stamp_ns;
+  record.laser = stage.laser();
   record.map_T_scan = step.map_T_scan;
   record.map_T_odom = step.map_T_odom;
   Eigen::Map<Eigen::Matrix3d>(record.covariance.data()) = estimate.covariance;  // symmetric

@@ -13,8 +13,8 @@ namespace odoless {
 /// Thread: sensor thread. Real time: as Intake.
 class FilterIntake final : public Intake {
  public:
-  FilterIntake(Pipeline& pipeline, const Clock& clock, const RobotLimits& limits)
-      : Intake(pipeline, clock, false, false), clock_(clock), guard_(limits) {}
+  FilterIntake(Pipeline& pipeline, const Clock& clock, const LaserMountParams& mount, const RobotLimits& limits)
+      : Intake(pipeline, clock, mount, false, false), clock_(clock), guard_(limits) {}
 
   void on_motion(const Motion& motion) override;
 

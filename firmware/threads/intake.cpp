@@ -6,11 +6,11 @@
 
 namespace odoless {
 
-Intake::Intake(Pipeline& pipeline, const Clock& clock, bool live, bool publish_scans)
+Intake::Intake(Pipeline& pipeline, const Clock& clock, const LaserMountParams& mount, bool live, bool publish_scans)
     : pipeline_(pipeline),
       clock_(clock),
       publish_scans_(publish_scans),
-      stage_(live, pipeline.pool.beams_max()),
+      stage_(live, pipeline.pool.beams_max(), mount),
       free_(pipeline.pool.size()) {
   ranges_m_.reserve(static_cast<std::size_t>(pipeline.pool.beams_max()));
 }
@@ -70,6 +70,7 @@ void Intake::publish(const RawScan& scan) {
     const float known_m = range_m > 0.0F ? range_m : 0.0F;  // also of NaN
     range_m = known_m >= scan.no_return_m ? std::numeric_limits<float>::infinity() : known_m;
   }
+  stage_.mask(scan, ranges_m_);
   send(pipeline_, pipeline_.sensor.outbox, RecordType::kScan, record, std::span<const float>(ranges_m_));
 }
 

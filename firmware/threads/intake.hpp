@@ -19,7 +19,7 @@ namespace odoless {
 class Intake : public ScanSink {
  public:
   /// @param publish_scans  Whether scans go to the publisher; not those that came from there.
-  Intake(Pipeline& pipeline, const Clock& clock, bool live, bool publish_scans);
+  Intake(Pipeline& pipeline, const Clock& clock, const LaserMountParams& mount, bool live, bool publish_scans);
   virtual ~Intake() = default;
 
   void on_scan(const RawScan& scan) final;

@@ -10,6 +10,7 @@
 
 #include "core/math/elementary.hpp"
 #include "firmware/lcm/map_view.hpp"
+#include "firmware/records/robot_pose.hpp"
 #include "firmware/threads/tile_sweep.hpp"
 #include "rt/cpu_clock.hpp"
 
@@ -89,7 +90,8 @@ void LiveView::take(const PoseRecord& pose) {
   }
   pose_ = pose;
   ++poses_;
-  trail_.add({pose.map_T_scan.x_m, pose.map_T_scan.y_m});
+  const Pose2 map_T_robot = robot_pose_of(pose).map_T_robot;
+  trail_.add({map_T_robot.x_m, map_T_robot.y_m});
 }
 
 void LiveView::take(const MapTileRecord& tile, std::span<const std::uint8_t> cells) {
@@ -127,7 +129,8 @@ void LiveView::take(const PoseRecord& pose, const ScanRecord& scan, std::span<co
   for (std::size_t i = 0; i < ranges_m.size(); i += step) {
     const auto range_m = static_cast<double>(ranges_m[i]);
     if (std::isfinite(range_m) && range_m > 0.0) {
-      const double bearing_rad = scan.start_angle_rad + static_cast<double>(i) * scan.angle_step_rad;
+      const double bearing_rad =
+          pose.laser.bearing_rad(scan.start_angle_rad + static_cast<double>(i) * scan.angle_step_rad);
       scan_p_map_.push_back(pose.map_T_scan *
                             Point2{range_m * math::cos(bearing_rad), range_m * math::sin(bearing_rad)});
     }
@@ -186,12 +189,12 @@ void LiveView::tell_pose(LiveCursor& cursor, std::string& events) const {
     return;
   }
   cursor.pose = poses_;
-  const auto& covariance = pose_->covariance;
+  const auto& [map_T_robot, step, covariance] = robot_pose_of(*pose_);
   fmt::format_to(std::back_inserter(events),
                  "event: pose\ndata: {{\"stamp_s\":{:.3f},\"x_m\":{:.3f},\"y_m\":{:.3f},\"yaw_rad\":{:.4f},"
                  "\"covariance_m2\":[{:.6f},{:.6f},{:.6f}],\"sd_yaw_rad\":{:.4f}}}\n\n",
-                 static_cast<double>(pose_->stamp_ns) * 1e-9, pose_->map_T_scan.x_m, pose_->map_T_scan.y_m,
-                 pose_->map_T_scan.yaw_rad, covariance[0], covariance[1], covariance[4], std::sqrt(covariance[8]));
+                 static_cast<double>(pose_->stamp_ns) * 1e-9, map_T_robot.x_m, map_T_robot.y_m, map_T_robot.yaw_rad,
+                 covariance[0], covariance[1], covariance[4], std::sqrt(covariance[8]));
   if (const auto points = trail_.next(cursor.trail, kTrailPoints); !points.empty()) {
     fmt::format_to(std::back_inserter(events), "event: path\ndata: {{\"from\":{},\"points_cm\":[",
                    cursor.trail.points - points.size());

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "core/base/parameters.hpp"
 
@@ -34,6 +35,7 @@ struct ExampleParams {
   bool refine = true;
   ExampleColour colour = ExampleColour::kGreen;
   std::string device = "/dev/laser";
+  std::vector<AngleSector> blind{};
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -44,6 +46,7 @@ struct ExampleParams {
     visit.flag("refine", self.refine, "Whether a Newton step ends the search.");
     visit.choice("colour", self.colour, kExampleColourNames, "NDT's colour.");
     visit.text("device", self.device, "Path of the laser.");
+    visit.sectors("blind", self.blind, "Where nothing is seen.");
   }
 };
 

@@ -42,6 +42,7 @@ seed = 9223372036854775807
 refine = false
 colour = "blue"
 device = "udpm://239.255.76.67:7667"
+blind = [[170, -170.0], [30, 45.5]]
 inner.yaw_max_deg = 90
 inner.period_ms = 12.5
 )")
@@ -52,8 +53,26 @@ inner.period_ms = 12.5
   EXPECT_FALSE(params.refine);
   EXPECT_EQ(params.colour, ExampleColour::kBlue);
   EXPECT_EQ(params.device, "udpm://239.255.76.67:7667");
+  ASSERT_EQ(params.blind.size(), 2U);
+  EXPECT_DOUBLE_EQ(params.blind[0].to_rad, -170.0 * std::numbers::pi / 180.0);
+  EXPECT_DOUBLE_EQ(params.blind[1].from_rad, std::numbers::pi / 6.0);
   EXPECT_DOUBLE_EQ(params.inner.yaw_max_rad, std::numbers::pi / 2.0);
   EXPECT_EQ(params.inner.period_ns, 12'500'000);
+}
+
+TEST(ParseParameters, RefusesSectorsThatAreNone) {
+  for (const char* const wrong :
+       {"30", "[30, 40]", "[[30]]", "[[1, 2, 3]]", "[[\"a\", 2]]", "[[0, 361]]", "[[nan, 1]]", "[[1, 2], 3]"}) {
+    EXPECT_THAT(problems_of(std::string("[matcher]\nblind = ") + wrong),
+                ElementsAre(HasSubstr("must be a list of sectors [from, to], at most 16 pairs of -360 to 360 deg")))
+        << wrong;
+  }
+  std::string many = "[0, 1]";
+  for (int i = 0; i < 16; ++i) {
+    many += ", [0, 1]";
+  }
+  EXPECT_EQ(problems_of("[matcher]\nblind = [" + many + "]").size(), 1U);
+  EXPECT_THAT(problems_of("[matcher]\nblind = []"), IsEmpty());
 }
 
 TEST(ParseParameters, LeavesWhatIsNotNamed) {
@@ -179,7 +198,7 @@ TEST(ParseParameters, RefusesLettersBeyondAsciiWhereNoTextIs) {
 TEST(ParseParameters, RefusesAWrongTypeOfEveryKey) {
   ExampleOuterParams params;
   const std::vector<Entry> entries = entries_of(params);
-  ASSERT_EQ(entries.size(), 9U);
+  ASSERT_EQ(entries.size(), 10U);
   for (const Entry& entry : entries) {
     EXPECT_THAT(problems_of(entry.key + " = 1979-05-27"),
                 ElementsAre(HasSubstr("key '" + entry.key + "' = 1979-05-27: must be ")));

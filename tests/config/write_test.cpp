@@ -30,6 +30,8 @@ refine = true
 colour = "green"
 # Path of the laser.
 device = "/dev/laser"
+# Where nothing is seen. Range: at most 16 pairs of -360 to 360 deg
+blind = []
 
 [matcher.inner]
 # Widest turn searched. Range: 0 to 180 deg
@@ -109,6 +111,17 @@ TEST(WriteToml, KeepsEveryBitOfADefault) {
   }));
 }
 
+TEST(WriteToml, KeepsSectorsAsTheyWereWritten) {
+  ExampleParams params;
+  parse_parameters("blind = [[170, -170], [12.5, 30]]", "f", params);
+  EXPECT_THAT(write_toml(params), HasSubstr("\nblind = [[170.0, -170.0], [12.5, 30.0]]\n"));
+  ExampleParams read;
+  parse_parameters(write_toml(params), "f", read);
+  ASSERT_EQ(read.blind.size(), 2U);
+  EXPECT_EQ(read.blind[0].from_rad, params.blind[0].from_rad);
+  EXPECT_EQ(read.blind[1].to_rad, params.blind[1].to_rad);
+}
+
 struct RadianParams {
   double turn_max_rad = 0.35;
   bool raw_bytes = false;
@@ -145,7 +158,7 @@ TEST(WriteReference, HasOneRowPerKey) {
   EXPECT_THAT(page,
               HasSubstr("| `matcher.refine` | boolean | true |  |  | Whether a Newton step ends the search. |\n"));
   EXPECT_THAT(page, HasSubstr("Share of a \\| that is kept."));
-  EXPECT_EQ(std::count(page.begin(), page.end(), '\n'), 2 + 9);
+  EXPECT_EQ(std::count(page.begin(), page.end(), '\n'), 2 + 10);
 }
 
 }  // namespace

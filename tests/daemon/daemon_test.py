@@ -217,7 +217,7 @@ class DaemonTest(DaemonCase):
         daemon = self.start_daemon("--enforce-realtime")
         self.wait_until_ok()
         self.assertEqual(self.ctl("tilt", "sweep").stdout, "ok\n")
-        self.wait_until(lambda: "not level" in self.state(), 2)
+        self.wait_until(lambda: "OK" in self.state() and "the laser sweeps as it was told" in self.state(), 2)
         accepted, held_back = self.scans()
         time.sleep(1.5)
         accepted, held_back = (now - before for now, before in zip(self.scans(), (accepted, held_back)))
@@ -225,7 +225,7 @@ class DaemonTest(DaemonCase):
         # Of a sweep of 60 deg at 60 deg/s, 2 deg are level, and a scan must begin and end there.
         self.assertGreater(held_back, 0.6 * accepted, "scans of another plane reach the 2D map")
         self.assertEqual(self.ctl("tilt", "level").stdout, "ok\n")
-        self.wait_until(lambda: "not level" not in self.state(), 3)
+        self.wait_until(lambda: "sweeps" not in self.state() and "not level" not in self.state(), 3)
         time.sleep(0.2)
         _, before = self.scans()
         time.sleep(0.5)

@@ -65,7 +65,7 @@ class FilterIntakeTest : public ::testing::Test {
 
   Pipeline pipeline_{PipelineParams{}, RobotParams{}, false};
   ManualClock clock_{1'700'000'000'000'000'000};
-  FilterIntake intake_{pipeline_, clock_, {.speed_max_mps = 100.0, .turn_rate_max_radps = 100.0}};
+  FilterIntake intake_{pipeline_, clock_, {}, {.speed_max_mps = 100.0, .turn_rate_max_radps = 100.0}};
   std::vector<float> ranges_m_;
   std::vector<bool> has_scan_;
   Pose2 sum_;

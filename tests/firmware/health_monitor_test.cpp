@@ -46,6 +46,27 @@ class HealthMonitorTest : public ::testing::Test {
 
 TEST_F(HealthMonitorTest, NothingToComplainOfIsOk) { expect(HealthState::kOk, 0); }
 
+TEST_F(HealthMonitorTest, ASweepThatWasAskedForIsNoHarmAsLongAsPosesCome) {
+  sensor_.tilt = {.used = true, .level = false};
+  expect(HealthState::kDegraded, kReasonNotLevel);
+  sensor_.tilt.sweeps = true;
+  for (int i = 0; i < 10; ++i) {
+    now_ns_ += kSecond_ns;
+    sensor_.last_scan_ns = now_ns_;
+    sensor_.source.accepted += 40;
+    sensor_.tilt.held_back += 39;
+    expect(HealthState::kOk, kReasonSweep);
+  }
+  for (int i = 0; i < 3; ++i) {  // it no longer passes the level
+    now_ns_ += kSecond_ns;
+    sensor_.last_scan_ns = now_ns_;
+    sensor_.source.accepted += 40;
+    sensor_.tilt.held_back += 40;
+    static_cast<void>(update());
+  }
+  expect(HealthState::kDegraded, kReasonNotLevel);
+}
+
 TEST_F(HealthMonitorTest, IsInitUntilTheFirstPose) {
   filter_.stage.scans = 0;
   expect(HealthState::kInit, 0);
@@ -198,7 +219,7 @@ TEST(HealthText, SaysWhatTheStampsWereLike) {
 
 TEST(HealthText, EveryReasonHasItsOwnWords) {
   std::string before;
-  for (std::uint32_t reason = 1; reason <= kReasonNotAuthentic; reason <<= 1U) {
+  for (std::uint32_t reason = 1; reason <= kReasonSweep; reason <<= 1U) {
     const std::string text = reasons_text(reason);
     EXPECT_FALSE(text.empty()) << reason;
     EXPECT_NE(text, before);

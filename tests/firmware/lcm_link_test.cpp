@@ -93,7 +93,7 @@ TEST_F(LcmLinkTap, TellsTheBytesOfTheLinesApart) {
   EXPECT_EQ(channel_of(RawLine::kGpio, 1), "ODOLESS_GPIO_RAW_TX");
 }
 
-TEST_F(LcmLinkTap, SendsAPoseThreeTimes) {
+TEST_F(LcmLinkTap, SendsAPoseInEachForm) {
   ASSERT_EQ(link_.publish(test::example_pose()), Errc::kOk);
   const auto pose = tap_.last<bot_core::pose_t>("ODOLESS_POSE");
   EXPECT_EQ(pose.pos[0], 12.0);
@@ -105,6 +105,7 @@ TEST_F(LcmLinkTap, SendsAPoseThreeTimes) {
   EXPECT_EQ(estimate.log_likelihood_per_beam, -1.25);
   EXPECT_EQ(estimate.effective_particles, 77.5);
   EXPECT_EQ(estimate.updated, 1);
+  EXPECT_EQ(tap_.last<bot_core::pose_t>("ODOLESS_LASER_POSE").pos[0], 12.0);
   const auto map_T_odom = tap_.last<bot_core::rigid_transform_t>("ODOLESS_MAP_TO_ODOM");
   EXPECT_EQ(map_T_odom.trans[1], 0.25);
   EXPECT_DOUBLE_EQ(2.0 * std::atan2(map_T_odom.quat[3], map_T_odom.quat[0]), -0.1);

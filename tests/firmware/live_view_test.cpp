@@ -198,6 +198,23 @@ TEST_F(LiveViewTest, ShowsAScanWhereItsPoseHasIt) {
   EXPECT_EQ(nlohmann::json::parse(events[0].data)["points_cm"], nlohmann::json::parse("[200, 200, 100, 400]"));
 }
 
+TEST_F(LiveViewTest, ShowsTheRobotBehindALaserThatHangsUpsideDown) {
+  PoseRecord pose;
+  pose.map_T_scan = {1.0, 2.0, 0.0};
+  pose.laser = {.x_m = 0.5, .is_flipped = true};
+  view_.take(pose);
+  view_.take(pose, {.stamp_ns = 1'000'000'000, .start_angle_rad = 0.0, .angle_step_rad = std::numbers::pi / 2.0},
+             std::vector<float>{1.0F, 2.0F});
+  LiveCursor cursor;
+  const std::vector<Event> scans = told(cursor, "scan");
+  ASSERT_EQ(scans.size(), 1U);
+  EXPECT_EQ(nlohmann::json::parse(scans[0].data)["points_cm"], nlohmann::json::parse("[200, 200, 100, 0]"));
+  LiveCursor other;
+  const std::vector<Event> poses = told(other, "pose");
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_EQ(nlohmann::json::parse(poses[0].data)["x_m"], 0.5);
+}
+
 TEST_F(LiveViewTest, FollowsTheRobotHoweverFarAndKeepsTheNewestTiles) {
   for (int column = 0; column < 1000; ++column) {
     publish_tile(column, -column, 0);

@@ -34,20 +34,6 @@ TEST(LrfSource, NothingArrivesBeforeItWasSentHoweverItsThreadIsHeldUp) {
   }
 }
 
-TEST(LrfSource, MirrorsTheScansOfALaserThatHangsUpsideDown) {
-  for (const bool is_upside_down : {false, true}) {
-    SlowSick laser;
-    LrfParams params = sick_params();
-    params.upside_down = is_upside_down;
-    Bench bench(laser, params);
-    bench.run(40 * kSecond);
-    ASSERT_GT(bench.heard.scans, 0);
-    const double left_rad = 0.5 * std::numbers::pi;  // its last beam, where it stands
-    EXPECT_NEAR(bench.heard.first_angle_rad, is_upside_down ? left_rad : -left_rad, 1e-6);
-    EXPECT_NEAR(bench.heard.last_angle_rad, is_upside_down ? -left_rad : left_rad, 1e-6);
-  }
-}
-
 TEST(LrfSource, NeverCutsOffWhatASlowLaserIsAt) {
   SlowSick laser;
   Bench bench(laser);

@@ -65,6 +65,9 @@ std::vector<Value> other_values(const Entry& entry) {
   if (const auto* const flag = std::get_if<bool>(&now)) {
     return {Value(!*flag)};
   }
+  if (std::holds_alternative<Entry::Sectors>(now)) {
+    return {Value(Entry::Sectors{{-30.0, 30.0}})};
+  }
   if (const auto* const text = std::get_if<std::string>(&now)) {
     return {Value(*text + "2")};
   }

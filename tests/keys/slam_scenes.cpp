@@ -9,6 +9,7 @@
 #include "tools/command/error.hpp"
 #include "tools/output/g2o.hpp"
 #include "tools/output/matches.hpp"
+#include "tools/output/trajectory.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/sim/path.hpp"
 #include "tools/sim/ray_caster.hpp"
@@ -142,7 +143,9 @@ std::string replayed(const ScanLog& log, const DaemonParams& params) {
   try {
     const ReplayResult result = replay(log, params.robot, {}, [](auto, auto, auto) {});
     std::string map(result.map.occupancy_percent.begin(), result.map.occupancy_percent.end());
-    return text_of(result.trajectory) + text_of(result.online_trajectory) + text_of(result.matches) +
+    const LaserPlace laser = LaserPlace::of(params.robot.mount);
+    return text_of(robot_trajectory(result.trajectory, laser)) +
+           text_of(robot_trajectory(result.online_trajectory, laser)) + text_of(result.matches) +
            fmt::format("{} {} {} {} {} {}\n", result.lost_scans, result.doubtful_scans, result.relocalisations,
                        result.outside_scans, result.map.width_cells, result.map.height_cells) +
            (result.graph ? format_g2o(*result.graph) : "") + map;
@@ -213,7 +216,7 @@ std::vector<Scene> recovery_scenes() {
 }  // namespace
 
 std::vector<KeyClass> slam_classes() {
-  return {{"slam", {"robot.", "scan.", "matcher.", "odometry.", "gate.", "slam.low."}, tracking_scenes},
+  return {{"slam", {"robot.", "lrf.mount.", "scan.", "matcher.", "odometry.", "gate.", "slam.low."}, tracking_scenes},
           {"high_level", {"slam.high."}, high_scenes},
           {"graph", {"graph."}, graph_scenes},
           {"recovery", {"recovery."}, recovery_scenes}};

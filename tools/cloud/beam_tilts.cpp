@@ -17,7 +17,8 @@ BeamTilts::BeamTilts(const TiltLog& log, const ServoParams& servo, double gap_ma
 std::span<const double> BeamTilts::of(const LogScan& scan) {
   tilts_rad_.clear();
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    const Result<double> tilt = angles_.at(scan.stamp_ns + static_cast<std::int64_t>(i) * scan.beam_period_ns);
+    const Result<double> tilt =
+        angles_.at(scan.stamp_ns + scan.first_beam_ns + static_cast<std::int64_t>(i) * scan.beam_period_ns);
     tilts_rad_.push_back(tilt.ok() ? tilt.value() : std::numeric_limits<double>::quiet_NaN());
   }
   return tilts_rad_;

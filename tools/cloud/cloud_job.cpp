@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "core/scan/laser_mount.hpp"
 #include "tools/cloud/merged_cloud.hpp"
 #include "tools/command/error.hpp"
 #include "tools/eval/ate.hpp"
@@ -68,6 +69,18 @@ Input read_input(const CloudJob& job) {
     input.truth.resize(std::min(input.truth.size(), scans_max));
   }
   return input;
+}
+
+/// Scans as they are mounted, in place of those that the laser says.
+void mount_scans(TiltLog& log, const RobotParams& params) {
+  LaserMount mount(params.mount, params.scan.beams_max);
+  for (LogScan& scan : log.scans) {
+    const RawScan mounted = mount.apply(scan.raw());
+    scan.start_angle_rad = mounted.start_angle_rad;
+    scan.first_beam_ns = mounted.first_beam_ns;
+    scan.beam_period_ns = mounted.beam_period_ns;
+    scan.ranges_m = std::vector<float>(mounted.ranges_m.begin(), mounted.ranges_m.end());
+  }
 }
 
 std::vector<ReferencePose> reference_of(const std::vector<StampedPose>& poses) {
@@ -155,7 +168,9 @@ std::vector<Point3> points_of_keys(const KeyedCloud& cloud, std::size_t keys) {
 
 CloudResult run_cloud_job(const CloudJob& job, const ReplayProgress& progress) {
   Input input = read_input(job);
+  mount_scans(input.log, job.params.robot);
   CloudSetup setup{job.servo, job.params.mapping, job.params.robot, job.seed};
+  setup.robot.mount = {};
   setup.servo.clock_ahead_ns = job.clock_ahead_s ? std::llround(*job.clock_ahead_s * 1e9) : input.log.row_offset_ns;
   CloudResult result{.run = make_cloud(input.log, setup, progress)};
   result.clock.clock_ahead_ns = setup.servo.clock_ahead_ns;
@@ -193,7 +208,8 @@ void write_cloud_result(const CloudJob& job, const CloudResult& result) {
         points_of_keys(result.run.mapper.cloud(), static_cast<std::size_t>(job.keys_shown));
     write_whole_file(job.out / "cloud_keys.png", draw_cloud_in_perspective(shown, colours, cut_m).png());
   }
-  write_trajectory(job.out / "trajectory.tum", result.run.slam.trajectory);
+  write_trajectory(job.out / "trajectory.tum",
+                   robot_trajectory(result.run.slam.trajectory, LaserPlace::of(job.params.robot.mount)));
   write_whole_file(job.out / "summary.json", summary_of(result).dump(2) + "\n");
 }
 

@@ -86,9 +86,9 @@ void add_scans(const TiltLog& log, const Track& track, const CloudSetup& setup, 
   ScanFrame frame(setup.robot.scan);
   for (std::size_t i = 0; i < log.scans.size(); i += every) {
     const LogScan& scan = log.scans[i];
-    const std::int64_t last_ns =
-        scan.stamp_ns + scan.beam_period_ns * (static_cast<std::int64_t>(scan.ranges_m.size()) - 1);
-    const Result<Pose2> first = track.odom_T_scan.at(scan.stamp_ns);
+    const std::int64_t first_ns = scan.stamp_ns + scan.first_beam_ns;
+    const std::int64_t last_ns = first_ns + scan.beam_period_ns * (static_cast<std::int64_t>(scan.ranges_m.size()) - 1);
+    const Result<Pose2> first = track.odom_T_scan.at(first_ns);
     const Result<Pose2> last = track.odom_T_scan.at(last_ns);
     const Result<Pose2> map_T_odom = track.map_T_odom_online.at(scan.stamp_ns);
     if (!first.ok() || !last.ok() || !map_T_odom.ok()) {

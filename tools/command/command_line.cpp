@@ -14,6 +14,7 @@
 
 #include "config/config_error.hpp"
 #include "config/misspelling.hpp"
+#include "tools/command/calibrate.hpp"
 #include "tools/command/campaign.hpp"
 #include "tools/command/cloud.hpp"
 #include "tools/command/completion.hpp"
@@ -47,6 +48,7 @@ void add_commands(CLI::App& app) {
   add_match(app);
   add_cloud(app);
   add_info(app);
+  add_calibrate(app);
   add_eval(app);
   add_graph(app);
   add_world(app);

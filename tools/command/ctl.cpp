@@ -19,6 +19,7 @@
 #include "firmware/daemon/control_server.hpp"
 #include "firmware/daemon/daemon_params.hpp"
 #include "firmware/daemon/memory_budget.hpp"
+#include "tools/command/control_socket.hpp"
 #include "tools/command/error.hpp"
 
 namespace odoless {
@@ -102,7 +103,8 @@ void follow_save(const std::string& socket) {
 }
 
 void run_ctl(const CtlArguments& arguments) {
-  const std::string socket = arguments.socket.empty() ? load(arguments.config).control.socket : arguments.socket;
+  const std::string socket =
+      arguments.socket.empty() ? socket_to_ask(load(arguments.config).control.socket) : arguments.socket;
   const std::string command = line_of(arguments);
   if (command.starts_with("save")) {
     static_cast<void>(ask(socket, command));

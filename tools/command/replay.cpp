@@ -109,10 +109,10 @@ void write_summary(const std::filesystem::path& folder, const nlohmann::ordered_
 }
 
 // The true path, where one is given, moved so that both paths begin in one pose; it is drawn and nothing else.
-std::vector<ColouredPath> paths_to_draw(const LogJob& job, const ReplayResult& result) {
+std::vector<ColouredPath> paths_to_draw(const LogJob& job, std::span<const StampedPose> trajectory) {
   std::vector<ColouredPath> paths;
   ColouredPath estimate{{}, kEstimateColour};
-  for (const StampedPose& stamped : result.trajectory) {
+  for (const StampedPose& stamped : trajectory) {
     estimate.poses.push_back(stamped.map_T_scan);
   }
   if (!job.truth.empty()) {
@@ -141,13 +141,14 @@ std::vector<ColouredPath> graph_to_draw(const PoseGraph& graph) {
 }
 
 void write_replay(const LogJob& job, const std::filesystem::path& folder, const ReplayResult& result,
-                  nlohmann::ordered_json summary) {
-  write_trajectory(folder / "trajectory.tum", result.trajectory);
-  write_trajectory(folder / "trajectory_online.tum", result.online_trajectory);
+                  const LaserPlace& laser, nlohmann::ordered_json summary) {
+  const std::vector<StampedPose> trajectory = robot_trajectory(result.trajectory, laser);
+  write_trajectory(folder / "trajectory.tum", trajectory);
+  write_trajectory(folder / "trajectory_online.tum", robot_trajectory(result.online_trajectory, laser));
   write_matches(folder / "matches.csv", result.matches);
   if (!result.map.occupancy_percent.empty()) {
     write_map(folder, result.map);
-    write_map_picture(folder / "map.png", result.map, paths_to_draw(job, result));
+    write_map_picture(folder / "map.png", result.map, paths_to_draw(job, trajectory));
   }
   if (result.graph) {
     write_whole_file(folder / "pose_graph.g2o", format_g2o(*result.graph));
@@ -207,7 +208,7 @@ void run_replay(const LogJob& job) {
   outcome.times = result.source.times;
   nlohmann::ordered_json summary = summarise(result.matches, scans, result.log_duration_s, meter);
   add_outcome(outcome, summary);
-  write_replay(job, folder.unfinished(), result, summary);
+  write_replay(job, folder.unfinished(), result, LaserPlace::of(params.mount), summary);
   folder.finish();
   fmt::print("{} scans in {:.1f} s, {:.1f} times as fast as recorded; {}\n", scans, summary["wall_s"].get<double>(),
              summary["realtime_factor"].get<double>(),

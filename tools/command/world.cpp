@@ -220,7 +220,8 @@ void run_export(const WorldJob& job) {
   ColouredPath path{{}, kPathColour};
   for (std::size_t i = 0; i < world->sessions.size(); ++i) {
     if (is_in(joined, world->sessions[i])) {
-      const std::vector<StampedPose> poses = trajectory_of(*world, world->sessions[i]);
+      const std::vector<StampedPose> poses =
+          robot_trajectory(trajectory_of(*world, world->sessions[i]), LaserPlace::of(params.mount));
       std::ranges::transform(poses, std::back_inserter(path.poses), &StampedPose::map_T_scan);
       write_trajectory(out / (i == chosen ? "trajectory.tum" : fmt::format("trajectory_{}.tum", i + 1)), poses);
     }

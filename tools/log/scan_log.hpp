@@ -15,6 +15,7 @@ struct LogScan {
   std::int64_t stamp_ns = 0;
   double start_angle_rad = 0.0;
   double angle_step_rad = 0.0;
+  std::int64_t first_beam_ns = 0;                              ///< of beam 0, after the stamp
   std::int64_t beam_period_ns = 0;                             ///< from beam to beam; 0: unknown
   float no_return_m = std::numeric_limits<float>::infinity();  ///< this range or more is no return
   bool is_level = true;                                        ///< false: 2D SLAM is not given it
@@ -25,6 +26,7 @@ struct LogScan {
     return {.stamp_ns = stamp_ns,
             .start_angle_rad = start_angle_rad,
             .angle_step_rad = angle_step_rad,
+            .first_beam_ns = first_beam_ns,
             .beam_period_ns = beam_period_ns,
             .no_return_m = no_return_m,
             .ranges_m = ranges_m};

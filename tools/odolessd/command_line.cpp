@@ -15,6 +15,7 @@
 #include "firmware/daemon/daemon.hpp"
 #include "firmware/daemon/start_up.hpp"
 #include "rt/clock.hpp"
+#include "tools/command/control_socket.hpp"
 #include "tools/command/empty_values.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/plausibility.hpp"
@@ -102,6 +103,7 @@ DaemonOptions options_of(const Arguments& arguments) {
   }
   options.version = ODOLESS_VERSION;
   options.configuration = write_toml(options.params);
+  options.params.control.socket = socket_to_open(options.params.control.socket);
   options.stages = stages_of(arguments.stages);
   if (!arguments.world.empty() && !has_filter(options.stages)) {
     throw UsageError("--world needs the filter stage here, which has the map");
@@ -147,6 +149,9 @@ void add_replay(const Arguments& arguments, DaemonOptions& options) {
 
 /// A daemon that was told nothing may be somebody's first try: says what it does, what is connected, and how to go on.
 void advise_beginner(const DaemonOptions& options) {
+  if (const std::string& socket = options.params.control.socket; socket != ControlParams{}.socket) {
+    fmt::print(stderr, "odolessd: `odoless ctl` finds this user's daemon at {}\n", socket);
+  }
   const std::string& device = options.params.lrf.device;
   fmt::print(stderr, "odolessd: no configuration (--config ROBOT.toml): as built in, a Hokuyo laser on {}\n", device);
   const std::vector<SerialDevice> connected = connected_serial_devices();

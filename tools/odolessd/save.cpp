@@ -117,8 +117,9 @@ void write_cloud(const std::filesystem::path& folder, const DaemonResult& result
   }
 }
 
-/// Writes a trajectory of any length, and returns as many of its poses as a picture shows.
-std::vector<Pose2> write_stream(const std::filesystem::path& path, PoseStream& stream, const SaveProgress& tell) {
+/// Writes a trajectory of any length, as the robot's, and returns as many of its poses as a picture shows.
+std::vector<Pose2> write_stream(const std::filesystem::path& path, PoseStream& stream, const LaserPlace& laser,
+                                const SaveProgress& tell) {
   constexpr std::size_t kShown_max = 200'000;
   const std::size_t every = stream.size() / kShown_max + 1;
   const std::string name = path.filename().string();
@@ -126,8 +127,9 @@ std::vector<Pose2> write_stream(const std::filesystem::path& path, PoseStream& s
   WholeFile file(path);
   std::size_t done = 0;
   for (std::span<const StampedPose> piece = stream.next(); !piece.empty(); piece = stream.next()) {
-    file.append(format_trajectory(piece));
-    for (const StampedPose& pose : piece) {
+    const std::vector<StampedPose> poses = robot_trajectory(piece, laser);
+    file.append(format_trajectory(poses));
+    for (const StampedPose& pose : poses) {
       if (done++ % every == 0) {
         shown.push_back(pose.map_T_scan);
       }
@@ -145,8 +147,8 @@ void write_all(const std::filesystem::path& folder, DaemonResult& result, const 
   nlohmann::ordered_json summary = summary_of(result);
   std::array path{ColouredPath{{}, kPathColour}};
   if (result.has_trajectory) {
-    path[0].poses = write_stream(folder / "trajectory.tum", result.trajectory, tell);
-    static_cast<void>(write_stream(folder / "trajectory_online.tum", result.online_trajectory, tell));
+    path[0].poses = write_stream(folder / "trajectory.tum", result.trajectory, result.laser, tell);
+    static_cast<void>(write_stream(folder / "trajectory_online.tum", result.online_trajectory, result.laser, tell));
     summary["sha256"] = sha256_of_file(folder / "trajectory.tum");
   }
   if (result.map.width_cells > 0) {

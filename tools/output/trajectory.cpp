@@ -31,6 +31,14 @@ std::string format_trajectory(std::span<const StampedPose> poses) {
   return text;
 }
 
+std::vector<StampedPose> robot_trajectory(std::span<const StampedPose> scans, const LaserPlace& laser) {
+  std::vector<StampedPose> robot(scans.begin(), scans.end());
+  for (StampedPose& pose : robot) {
+    pose.map_T_scan = laser.robot_of(pose.map_T_scan);
+  }
+  return robot;
+}
+
 void write_trajectory(const std::filesystem::path& path, std::span<const StampedPose> poses) {
   write_whole_file(path, format_trajectory(poses));
 }

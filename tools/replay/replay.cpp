@@ -8,6 +8,7 @@
 
 #include "core/base/check.hpp"
 #include "core/graph/world_map.hpp"
+#include "core/scan/laser_mount.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/log_times.hpp"
@@ -19,8 +20,8 @@ namespace {
 
 double to_s(std::int64_t stamp_ns) { return static_cast<double>(stamp_ns) * 1e-9; }
 
-void assign(ScanFrame& frame, const RawScan& raw, int index) {
-  const Errc error = frame.assign(raw);
+void assign(ScanFrame& frame, const RawScan& mounted, int index) {
+  const Errc error = frame.assign(mounted);
   if (error != Errc::kOk) {
     throw UserError(65, "scan " + std::to_string(index) + " of the log: " + describe(error) +
                             "; scan.beams_max in the configuration sets how many beams a scan may have");
@@ -205,12 +206,13 @@ std::vector<MatchRow> match_pairs(const ScanLog& log, const RobotParams& params,
   const LogTimes times = times_of(log, options.every);
   NdtMatcher matcher(params.matcher);
   MatchReference reference(params.matcher.reference, params.matcher.points_max);
+  LaserMount mount(params.mount, params.scan.beams_max);
   ScanFrame previous(params.scan);
   ScanFrame current(params.scan);
   std::vector<MatchRow> rows;
   for (std::size_t i = 1; i < used.size(); ++i) {
-    assign(previous, log.scans[static_cast<std::size_t>(used[i - 1])].raw(), used[i - 1]);
-    assign(current, log.scans[static_cast<std::size_t>(used[i])].raw(), used[i]);
+    assign(previous, mount.apply(log.scans[static_cast<std::size_t>(used[i - 1])].raw()), used[i - 1]);
+    assign(current, mount.apply(log.scans[static_cast<std::size_t>(used[i])].raw()), used[i]);
     Rng rng(options.seed, static_cast<std::uint64_t>(used[i]));  // a pair's result does not depend on the pairs before
     MatchRow row = row_of(log, used[i - 1], used[i]);
     const std::int64_t start_ns = thread_cpu_ns();

@@ -67,6 +67,8 @@ void ReplayPage::show(const ChainStep& step, const RawScan& raw, StageChain& cha
     begin(stage);
   }
   const PoseEstimate estimate = stage.filter().estimate();
+  ranges_m_.assign(raw.ranges_m.begin(), raw.ranges_m.end());
+  chain.sensor().mask(raw, ranges_m_);
   const PoseRecord pose = pose_record_of(step.filter, estimate, stage, step.stamp_ns);
   parts_->view.take(pose);
   parts_->view.take(pose,
@@ -74,7 +76,7 @@ void ReplayPage::show(const ChainStep& step, const RawScan& raw, StageChain& cha
                      .start_angle_rad = raw.start_angle_rad,
                      .angle_step_rad = raw.angle_step_rad,
                      .beams = static_cast<std::int32_t>(raw.ranges_m.size())},
-                    raw.ranges_m);
+                    ranges_m_);
   parts_->tiles.send(parts_->outbox, step.filter, step.stamp_ns, step.motion.to_stamp_ns - step.motion.from_stamp_ns);
   RecordRing& records = parts_->outbox.ring();
   while (const auto record = records.front()) {

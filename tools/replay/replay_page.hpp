@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "firmware/web/web_params.hpp"
 #include "tools/replay/replay.hpp"
@@ -32,6 +33,7 @@ class ReplayPage {
 
   WebParams params_;
   std::unique_ptr<Parts> parts_;  ///< from the first scan on
+  std::vector<float> ranges_m_;
 };
 
 }  // namespace odoless

@@ -28,13 +28,14 @@ final class MapModel implements LCMSubscriber {
   private final Map<Long, Tile> tiles = new HashMap<>();
   private final Path2D.Double path = new Path2D.Double();
   private pose_t pose;
+  private pose_t laserPose;
   private planar_lidar_t scan;
   private int errors;
 
   /** Listens to the channels that begin with {@code prefix}. */
   MapModel(LCM lcm, String prefix) {
     this.prefix = prefix;
-    for (String name : new String[] {"MAP_TILE", "POSE", "SCAN"}) {
+    for (String name : new String[] {"MAP_TILE", "POSE", "LASER_POSE", "SCAN"}) {
       lcm.subscribe(prefix + name, this);
     }
   }
@@ -46,6 +47,8 @@ final class MapModel implements LCMSubscriber {
         add(new map_tile_t(in));
       } else if (channel.equals(prefix + "POSE")) {
         add(new pose_t(in));
+      } else if (channel.equals(prefix + "LASER_POSE")) {
+        laserPose = new pose_t(in);
       } else if (channel.equals(prefix + "SCAN")) {
         scan = new planar_lidar_t(in);
       }
@@ -106,6 +109,10 @@ final class MapModel implements LCMSubscriber {
 
   synchronized pose_t pose() {
     return pose;
+  }
+
+  synchronized pose_t laserPose() {
+    return laserPose;
   }
 
   synchronized planar_lidar_t scan() {

@@ -21,7 +21,7 @@ final class MapPanel extends JPanel {
   private static final Color UNKNOWN = new Color(0xb0b8c0);
   private static final Color SCAN = new Color(0xd02020);
   private static final Color PATH = new Color(0x2060c0);
-  private static final Color LASER = new Color(0x10a040);
+  private static final Color ROBOT = new Color(0x10a040);
 
   private final MapModel model;
   private final Timer timer = new Timer(PERIOD_MS, tick -> repaint());
@@ -44,14 +44,29 @@ final class MapPanel extends JPanel {
     drawTiles(canvas);
     canvas.setColor(PATH);
     canvas.draw(model.path());
+    final pose_t laserPose = model.laserPose();
+    if (laserPose != null) {
+      final AffineTransform map = canvas.getTransform();
+      canvas.transform(placeOf(laserPose));
+      drawScan(canvas, model.scan(), pixelM);
+      canvas.setTransform(map);
+    }
     final pose_t pose = model.pose();
     if (pose != null) {
-      canvas.translate(pose.pos[0], pose.pos[1]);
-      canvas.rotate(2.0 * Math.atan2(pose.orientation[3], pose.orientation[0]));
-      drawScan(canvas, model.scan(), pixelM);
-      drawLaser(canvas, pixelM);
+      canvas.transform(placeOf(pose));
+      drawRobot(canvas, pixelM);
     }
     canvas.dispose();
+  }
+
+  /** What takes coordinates of the plane at a pose to the map; mirrored where it hangs upside down. */
+  private static AffineTransform placeOf(pose_t pose) {
+    final double w = pose.orientation[0];
+    final double x = pose.orientation[1];
+    final double y = pose.orientation[2];
+    final double z = pose.orientation[3];
+    return new AffineTransform(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * y - w * z),
+        1.0 - 2.0 * (x * x + z * z), pose.pos[0], pose.pos[1]);
   }
 
   /** From here on coordinates are metres in the map. Returns how many of them a pixel is. */
@@ -101,14 +116,14 @@ final class MapPanel extends JPanel {
     }
   }
 
-  private static void drawLaser(Graphics2D canvas, double pixelM) {
+  private static void drawRobot(Graphics2D canvas, double pixelM) {
     final double sizeM = 9.0 * pixelM;
     final Path2D arrow = new Path2D.Double();
     arrow.moveTo(1.5 * sizeM, 0.0);
     arrow.lineTo(-sizeM, sizeM);
     arrow.lineTo(-sizeM, -sizeM);
     arrow.closePath();
-    canvas.setColor(LASER);
+    canvas.setColor(ROBOT);
     canvas.fill(arrow);
   }
 }

@@ -43,7 +43,7 @@ public final class MapPlugin implements SpyPlugin {
 
   /** What stands before the name of one of our channels. */
   static String prefixOf(String channel) {
-    for (String name : new String[] {"MAP_TILE", "POSE_COVARIANCE", "POSE", "SCAN", "MOTION"}) {
+    for (String name : new String[] {"MAP_TILE", "POSE_COVARIANCE", "LASER_POSE", "POSE", "SCAN", "MOTION"}) {
       if (channel.endsWith(name)) {
         return channel.substring(0, channel.length() - name.length());
       }
