@@ -27,6 +27,7 @@
 #include "tools/output/whole_file.hpp"
 #include "tools/output/world_output.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/replay/replay_mcap.hpp"
 #include "tools/replay/replay_page.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/verdict.hpp"
@@ -49,6 +50,7 @@ struct LogJob {
   double period_ms = 200.0;
   bool strict = false;
   bool force = false;
+  bool mcap = false;
   ReplayOptions options;
 };
 
@@ -79,6 +81,17 @@ struct Outcome {
 ReplayProgress show_on(Progress& bar) {
   return [&bar](std::int64_t done, std::int64_t, double fitness) {
     bar.update(done, fmt::format("fitness {:.2f} (A - score {:.0f})", fitness, 180.0 * (1.0 - fitness)));
+  };
+}
+
+/// Either may be empty.
+ReplayWatcher both(ReplayWatcher first, ReplayWatcher second) {
+  if (!first || !second) {
+    return first ? first : second;
+  }
+  return [first, second](const ChainStep& step, const RawScan& raw, StageChain& chain) {
+    first(step, raw, chain);
+    second(step, raw, chain);
   };
 }
 
@@ -196,11 +209,16 @@ void run_replay(const LogJob& job) {
   ReplayOptions options = job.options;
   keep_world(job, params, options);
   const auto page = job.web.empty() ? nullptr : std::make_unique<ReplayPage>(job.web);
+  const auto mcap = job.mcap ? std::make_unique<ReplayMcap>(folder.unfinished() / "replay.mcap") : nullptr;
   const std::int64_t scans = scans_used(log, job.options.every);
   ReplayResult result;
   {
     Progress bar(scans, InPipe::kLines);
-    result = replay(log, params, options, show_on(bar), page ? page->watcher() : ReplayWatcher());
+    result = replay(log, params, options, show_on(bar),
+                    both(page ? page->watcher() : ReplayWatcher(), mcap ? mcap->watcher() : ReplayWatcher()));
+  }
+  if (mcap) {
+    mcap->finish(result);
   }
   outcome.figures = figures_of(result);
   outcome.verdict = judge(outcome.figures);
@@ -275,6 +293,8 @@ void add_replay(CLI::App& app) {
   command->add_option("--truth", job->truth, "True poses, only drawn into the picture: TUM, `stamp x y yaw`, or a log");
   command->add_option("--world", job->world,
                       "World file to add this replay to as a session; made where it is not there");
+  command->add_flag("--mcap", job->mcap,
+                    "Write replay.mcap, for Foxglove or ROS 2: scans, poses, frames, health, map and path");
   command->add_option("--web", job->web, "ADDRESS:PORT of a page that shows the replay, until interrupted");
   command->callback([job] { run_replay(*job); });
 }
