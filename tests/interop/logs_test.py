@@ -159,6 +159,7 @@ class Test:
         return [[float(word) for word in line.split()] for line in lines if not line.startswith("#")]
 
     def test_same_trajectory(self):
+        """@return  The trajectory."""
         plain = self.trajectory("carmen")
         expect(len(plain) > SCANS / 2, "the CARMEN log has a trajectory")
         for name in self.logs:
@@ -167,13 +168,13 @@ class Test:
             worst = max(abs(a - b) for pose, same in zip(plain, other) for a, b in zip(pose, same))
             expect(worst <= TOLERANCE, f"{name}: differs by {worst} from CARMEN")
             print(f"holds  {name}: {len(other)} poses, at most {worst:.1e} from CARMEN's")
+        return plain
 
-    def test_written_mcap(self):
+    def test_written_mcap(self, plain):
         """What `replay --mcap` writes: read back it is the same log, and @mcap/core finds nothing wrong with it."""
         out = self.path("written")
         done = self.run("replay", self.logs["carmen"], "--mcap", "--out", out)
         expect(done.returncode == 0, f"replay --mcap: {done.stderr.decode()}")
-        plain = self.trajectory("carmen")
         self.logs["written by odoless"] = out / "replay.mcap"
         expect(self.trajectory("written by odoless") == plain, "the log written reads back as another")
         print("holds  replay --mcap: reads back as the same log")
@@ -233,9 +234,9 @@ class Test:
             scans = self.write_carmen()
             self.write_by_hand(scans)
             self.write_by_their_tools(scans)
-            self.test_same_trajectory()
+            plain = self.test_same_trajectory()
             self.test_topics(scans)
-            self.test_written_mcap()
+            self.test_written_mcap(plain)
             self.test_damaged()
 
 
