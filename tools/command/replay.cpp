@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <vector>
 
@@ -36,6 +38,7 @@ namespace odoless {
 namespace {
 
 constexpr Rgb kEstimateColour{220, 50, 32};
+constexpr Rgb kOnlineColour{230, 159, 0};
 constexpr Rgb kTruthColour{0, 90, 181};
 constexpr Rgb kClosureColour{46, 125, 50};
 
@@ -121,15 +124,20 @@ void write_summary(const std::filesystem::path& folder, const nlohmann::ordered_
   write_whole_file(folder / kSummaryFile, summary.dump(2) + "\n");
 }
 
+std::string title_of(const LogJob& job) { return std::filesystem::path(job.log).filename().string(); }
+
 // The true path, where one is given, moved so that both paths begin in one pose; it is drawn and nothing else.
 std::vector<ColouredPath> paths_to_draw(const LogJob& job, const ReplayResult& result) {
   std::vector<ColouredPath> paths;
-  ColouredPath estimate{{}, kEstimateColour};
-  for (const StampedPose& stamped : result.trajectory) {
-    estimate.poses.push_back(stamped.map_T_scan);
-  }
+  const auto poses_of = [](std::span<const StampedPose> trajectory) {
+    std::vector<Pose2> poses;
+    std::ranges::transform(trajectory, std::back_inserter(poses), &StampedPose::map_T_scan);
+    return poses;
+  };
+  const ColouredPath estimate{poses_of(result.trajectory), kEstimateColour, "path (final)"};
+  paths.push_back({poses_of(result.online_trajectory), kOnlineColour, "path (online)"});
   if (!job.truth.empty()) {
-    ColouredPath truth{{}, kTruthColour};
+    ColouredPath truth{{}, kTruthColour, "true path"};
     const ReferencePoses reference = read_reference_poses(job.truth);
     const Pose2 map_T_world = estimate.poses.front() * reference.poses.front().pose.inverse();
     for (const ReferencePose& pose : reference.poses) {
@@ -146,10 +154,12 @@ std::vector<ColouredPath> graph_to_draw(const PoseGraph& graph) {
   std::vector<ColouredPath> paths;
   for (const Constraint& constraint : graph.constraints()) {
     if (constraint.is_loop && constraint.weight > 0.0) {
-      paths.push_back({{graph.pose(constraint.from), graph.pose(constraint.to)}, kClosureColour});
+      paths.push_back({{graph.pose(constraint.from), graph.pose(constraint.to)},
+                       kClosureColour,
+                       paths.empty() ? "loop closures" : ""});
     }
   }
-  paths.push_back({{graph.poses().begin(), graph.poses().end()}, kEstimateColour});
+  paths.push_back({{graph.poses().begin(), graph.poses().end()}, kEstimateColour, "submaps"});
   return paths;
 }
 
@@ -160,12 +170,13 @@ void write_replay(const LogJob& job, const std::filesystem::path& folder, const 
   write_matches(folder / "matches.csv", result.matches);
   if (!result.map.occupancy_percent.empty()) {
     write_map(folder, result.map);
-    write_map_picture(folder / "map.png", result.map, paths_to_draw(job, result));
+    write_map_picture(folder / "map.png", result.map, paths_to_draw(job, result), title_of(job));
   }
   if (result.graph) {
     write_whole_file(folder / "pose_graph.g2o", format_g2o(*result.graph));
     if (result.graph->size() > 0 && !result.map.occupancy_percent.empty()) {
-      write_map_picture(folder / "pose_graph.png", result.map, graph_to_draw(*result.graph));
+      write_map_picture(folder / "pose_graph.png", result.map, graph_to_draw(*result.graph),
+                        title_of(job) + ": pose graph");
     }
     summary["submaps"] = result.graph->size();
     summary["loop_closures"] = result.closures.accepted - result.closures.taken_out;
