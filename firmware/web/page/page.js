@@ -378,6 +378,7 @@ async function ask(command) {
 }
 
 function place(is_placing) {
+  if (is_placing) follow(false); // what is pointed at must not move
   placed_m = is_placing ? [] : null;
   press("place", is_placing);
   draw();
