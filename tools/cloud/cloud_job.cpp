@@ -188,7 +188,7 @@ void write_cloud_result(const CloudJob& job, const CloudResult& result) {
   write_cloud_pcd(job.out / "cloud.pcd", result.points, colours);
   write_drawing(job.out / "cloud_top.png", draw_cloud_from_above(result.points, colours, cut_m));
   write_drawing(job.out / "cloud_perspective.png",
-                draw_cloud_with_heights(result.points, colours, cut_m, "3D map, without what is higher"));
+                draw_cloud_with_heights(result.points, colours, cut_m, "3D map without the ceiling"));
   if (job.keys_shown > 0) {
     const std::vector<Point3> shown =
         points_of_keys(result.run.mapper.cloud(), static_cast<std::size_t>(job.keys_shown));

@@ -83,10 +83,12 @@ void draw_axes(const Plan& plan, const Frame& frame, Drawing& drawing) {
 void draw_path(const Frame& frame, const ColouredPath& path, Drawing& drawing) {
   std::vector<Spot> piece;
   const auto finish = [&] {
-    if (!piece.empty()) {
+    if (piece.size() == 1) {  // the only one that can be seen
+      drawing.disc(piece.front(), 2.0, path.rgb);
+    } else if (!piece.empty()) {
       drawing.line(piece, {.colour = path.rgb});
-      piece.clear();
     }
+    piece.clear();
   };
   for (const Pose2& pose : path.poses) {
     if (const std::optional<Spot> place = frame.find(pose)) {
@@ -166,10 +168,12 @@ void draw_colour_bar(const ColourBar& bar, int left_px, int top_px, int bottom_p
   drawing.image({left_px, top_px}, std::move(picture));
   for (int i = 0; i < kLabels; ++i) {
     const double share = static_cast<double>(i) / (kLabels - 1);
+    const double height_m =
+        std::round(100.0 * (bar.low_m + share * (bar.high_m - bar.low_m))) / 100.0 + 0.0;  // no -0.00
     drawing.text({left_px + kWidth_px + 6.0, top_px + (1.0 - share) * (height_px - 1) + 5.0},
-                 fmt::format("{:.2f}", bar.low_m + share * (bar.high_m - bar.low_m)), {.height_px = 10.0});
+                 fmt::format("{:.2f}", height_m), {.height_px = 10.0});
   }
-  drawing.text({static_cast<double>(left_px), top_px - 10.0}, bar.title, {.height_px = 10.0});
+  drawing.text({static_cast<double>(left_px), top_px - 16.0}, bar.title, {.height_px = 10.0});
 }
 
 void write_drawing(const std::filesystem::path& path, const Drawing& drawing) {
