@@ -11,6 +11,7 @@
 #include "firmware/daemon/signals.hpp"
 #include "firmware/daemon/start_up.hpp"
 #include "firmware/daemon/supervisor.hpp"
+#include "firmware/daemon/web_commands.hpp"
 #include "firmware/web/web_server.hpp"
 #include "rt/memory_lock.hpp"
 #include "rt/stop_flag.hpp"
@@ -55,8 +56,12 @@ int refuse_thread(int error) {
   return refuse({EX_OSERR, fmt::format("a thread cannot be made: {}", reason_of(error))});
 }
 
-std::unique_ptr<WebServer> make_page(const WebParams& params, Machine& machine) {
-  return params.is_used() ? std::make_unique<WebServer>(params, *machine.publisher().live()) : nullptr;
+std::unique_ptr<WebServer> make_page(const DaemonParams& params, Machine& machine) {
+  return params.web.is_used() ? std::make_unique<WebServer>(params.web, *machine.publisher().live(),
+                                                            [socket = params.control.socket](std::string_view line) {
+                                                              return obey_page(socket, line);
+                                                            })
+                              : nullptr;
 }
 
 bool refuse(const DaemonOptions& options, const char* what, int error) {
@@ -98,7 +103,7 @@ int run_daemon(DaemonOptions options) {
   if (const Lack lack = machine.open(); lack.status != EX_OK) {
     return refuse(lack);
   }
-  const std::unique_ptr<WebServer> page = make_page(options.params.web, machine);
+  const std::unique_ptr<WebServer> page = make_page(options.params, machine);
   if (const std::string wrong = page ? page->open() : ""; !wrong.empty()) {
     return refuse({EX_UNAVAILABLE, wrong});
   }

@@ -31,7 +31,8 @@ std::string_view without_port(std::string_view host) {
 
 // Of those that a browser tells of a request: one that this page itself, or the person at the browser, has made.
 bool is_from_elsewhere(const WebRequest& request) {
-  const bool is_link_followed = request.fetch_mode == "navigate" && request.fetch_destination == "document";
+  const bool is_link_followed =
+      request.method == "GET" && request.fetch_mode == "navigate" && request.fetch_destination == "document";
   return !request.fetch_site.empty() && request.fetch_site != "same-origin" && request.fetch_site != "none" &&
          !is_link_followed;
 }
@@ -62,7 +63,7 @@ std::vector<std::string> own_names(const std::string& configured) {
 }
 
 int refusal_of(const WebRequest& request, std::span<const std::string> names) {
-  if (request.method != "GET") {
+  if (request.method != "GET" && (request.method != "POST" || request.path != kCommandPath)) {
     return kMethodNotAllowed;
   }
   if (request.hosts.size() != 1 || !is_own_host(request.hosts.front(), names)) {

@@ -12,6 +12,7 @@ namespace odoless {
 struct WebParams {
   std::string listen;
   std::string name;
+  std::string token_file;
   int clients_max = 24;
 
   [[nodiscard]] bool is_used() const { return !listen.empty(); }
@@ -24,10 +25,14 @@ struct WebParams {
   static void describe(Self& self, Visitor& visit) {
     visit.text("listen", self.listen,
                "ADDRESS:PORT of the page, as in 127.0.0.1:8080 for this host alone or 0.0.0.0:8080 for all; empty: no "
-               "page. Whoever reaches it sees everything and can change nothing.");
+               "page. Whoever reaches it sees everything, and commands with the token of web.token_file alone.");
     visit.text("name", self.name,
                "Name by which browsers may also call this host; its addresses, localhost and its own name, with and "
                "without .local, hold in any case.");
+    visit.text(
+        "token_file", self.token_file,
+        "File with a token of 16 to 256 letters and digits, not readable by everybody: who types it into the page "
+        "may pause, resume, save and say where the robot is. Empty: the page is read-only.");
     visit.value("clients_max", self.clients_max, Range{1, 64}, "Browsers that can watch at the same time.");
   }
 };

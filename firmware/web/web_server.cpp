@@ -14,18 +14,22 @@
 #include "firmware/web/page.hpp"
 #include "firmware/web/web_guard.hpp"
 #include "firmware/web/web_threads.hpp"
+#include "firmware/web/web_token.hpp"
 #include "rt/cpu_clock.hpp"
 
 namespace odoless {
 namespace {
 
 constexpr int kPageThreads = 4;  // for what is not a stream
+constexpr int kUnauthorized = 401;
+constexpr int kReadOnly = 403;
 constexpr int kBusy = 503;
 constexpr std::int64_t kTellEvery_ns = 100'000'000;
 constexpr int kReadPatience_s = 2;
 
 WebRequest what_is_asked(const httplib::Request& request) {
   WebRequest asked{.method = request.method,
+                   .path = request.path,
                    .origin = request.get_header_value("Origin"),
                    .fetch_site = request.get_header_value("Sec-Fetch-Site"),
                    .fetch_mode = request.get_header_value("Sec-Fetch-Mode"),
@@ -59,13 +63,14 @@ void set_listener_options(int socket) {
 }  // namespace
 
 struct WebServer::Parts {
-  Parts(const WebParams& the_params, const LiveView& the_view)
-      : params(the_params), view(the_view), names(own_names(the_params.name)) {
+  Parts(const WebParams& the_params, const LiveView& the_view, Commander the_commander)
+      : params(the_params), view(the_view), commander(std::move(the_commander)), names(own_names(the_params.name)) {
     server.set_keep_alive_max_count(1);
     server.set_keep_alive_timeout(kReadPatience_s);  // for the first byte
     server.set_read_timeout(kReadPatience_s);
     server.set_write_timeout(kWritePatience_s);
     server.set_tcp_nodelay(true);
+    server.set_payload_max_length(kCommandMax_bytes);
     server.set_socket_options([this](int socket) {
       set_listener_options(socket);
       unstarted = socket;
@@ -73,6 +78,8 @@ struct WebServer::Parts {
     server.set_default_headers(headers_of_all());
     server.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       response.status = refusal_of(what_is_asked(request), names);
+      response.status =
+          response.status == 0 && request.method == "POST" ? refusal_of_command(request) : response.status;
       const bool is_refused = response.status != 0;
       response.status = is_refused ? response.status : -1;
       return is_refused ? httplib::Server::HandlerResponse::Handled : httplib::Server::HandlerResponse::Unhandled;
@@ -80,7 +87,21 @@ struct WebServer::Parts {
     serve("/", kPageHtml, "text/html; charset=utf-8");
     serve("/page.js", kPageScript, "text/javascript; charset=utf-8");
     serve("/page.css", kPageStyle, "text/css; charset=utf-8");
+    server.Get("/control", [this](const httplib::Request&, httplib::Response& response) {
+      response.set_content(token.text.empty() ? "no" : "yes", "text/plain");
+    });
+    server.Post(kCommandPath, [this](const httplib::Request& request, httplib::Response& response) {
+      response.set_content(commander(request.body), "text/plain; charset=utf-8");
+    });
     server.Get("/events", [this](const httplib::Request&, httplib::Response& response) { stream(response); });
+  }
+
+  /// Before any of it is read. The status, 0: it is carried out.
+  [[nodiscard]] int refusal_of_command(const httplib::Request& request) const {
+    if (token.text.empty()) {
+      return kReadOnly;
+    }
+    return token.allows(request.get_header_value("Authorization")) ? 0 : kUnauthorized;
   }
 
   void serve(const char* path, std::string_view text, const char* type) {
@@ -110,6 +131,8 @@ struct WebServer::Parts {
 
   const WebParams params;
   const LiveView& view;
+  const Commander commander;
+  WebToken token;
   const std::vector<std::string> names;
   int unstarted = -1;  ///< the listening socket, which httplib closes only once it is in use
   std::atomic<int> streams = 0;
@@ -119,7 +142,8 @@ struct WebServer::Parts {
   RealTimeThread listener{{.name = "odo-web", .stack_bytes = kStack_bytes}};
 };
 
-WebServer::WebServer(const WebParams& params, const LiveView& view) : parts_(std::make_unique<Parts>(params, view)) {}
+WebServer::WebServer(const WebParams& params, const LiveView& view, Commander commander)
+    : parts_(std::make_unique<Parts>(params, view, std::move(commander))) {}
 
 WebServer::~WebServer() {
   parts_->stopping = true;
@@ -136,6 +160,13 @@ std::string WebServer::open() {
   const std::optional<TcpAddress> address = params.address();
   if (!address) {
     return params.contradiction();
+  }
+  if (parts_->commander && !params.token_file.empty()) {
+    std::variant<WebToken, std::string> token = read_token(params.token_file);
+    if (const auto* const wrong = std::get_if<std::string>(&token)) {
+      return fmt::format("web.token_file: {}", *wrong);
+    }
+    parts_->token = std::get<WebToken>(std::move(token));
   }
   errno = 0;
   if (!parts_->server.bind_to_port(address->host, address->port)) {

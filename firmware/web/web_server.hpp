@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "firmware/web/live_view.hpp"
 #include "firmware/web/web_params.hpp"
@@ -10,12 +12,17 @@
 namespace odoless {
 
 /// Serves the page to browsers over HTTP: the page itself (`/`), and what it shows as it changes (`/events`, which is
-/// text/event-stream). It reads a LiveView and changes nothing.
+/// text/event-stream). It reads a LiveView and changes nothing, but for handing on the commands (POST `/command`) of
+/// whoever knows the token; `/control` is there where there is one.
 ///
 /// Thread: that of its owner; it has its own, which are ordinary and behind all others.
 class WebServer {
  public:
-  WebServer(const WebParams& params, const LiveView& view);
+  /// Carries out a command and answers, for a person; on any of the server's threads.
+  using Commander = std::function<std::string(std::string_view line)>;
+
+  /// @param commander  Empty: nothing can be commanded here, whatever the parameters say.
+  WebServer(const WebParams& params, const LiveView& view, Commander commander = {});
   /// Ends within `kWritePatience_s`, which a browser that takes nothing can hold it up.
   ~WebServer();
   WebServer(const WebServer&) = delete;
@@ -28,7 +35,10 @@ class WebServer {
   static constexpr int kWritePatience_s = 2;
   static constexpr std::size_t kStack_bytes = std::size_t{256} << 10;  ///< of each of them
 
-  /// Takes the address; connections wait until `start`. @return  What is wrong with it, for a person; empty: nothing.
+  static constexpr std::size_t kCommandMax_bytes = 256;
+
+  /// Reads the token and takes the address; connections wait until `start`. @return  What is wrong with it, for a
+  /// person; empty: nothing.
   [[nodiscard]] std::string open();
   /// 0, or the errno for which there are no threads.
   [[nodiscard]] int start();

@@ -1,6 +1,7 @@
 """What tests of the page share: a daemon that serves it, and requests as they go over the wire."""
 
 import json
+import os
 import socket
 
 from support import DaemonCase
@@ -38,6 +39,15 @@ class WebCase(DaemonCase):
 
     def use_page(self, more=""):
         self.config = self.write_config("web.toml", f'[web]\nlisten = "127.0.0.1:{self.port}"\n{more}')
+
+    token = "0123456789abcdef"
+
+    def use_token(self):
+        path = self.path("token")
+        with open(path, "w", encoding="ascii") as file:
+            file.write(self.token + "\n")
+        os.chmod(path, 0o600)
+        self.use_page(f'token_file = "{path}"\n')
 
     def browser(self, *more):
         if not Browser.is_installed():

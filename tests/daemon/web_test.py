@@ -180,9 +180,35 @@ class PageTest(WebCase):
         self.shows(page, f"Math.hypot(odoless.pose.x_m - {x_m}, odoless.pose.y_m - {y_m}) < 0.01")
         self.assertEqual(poses(self.path("with/trajectory.tum")), poses(self.path("without/trajectory.tum")))
 
+    def test_who_knows_the_token_pauses_saves_and_says_where_the_robot_is(self):
+        self.use_token()
+        self.start_robot()
+        page = Page(self.browser())
+        page.open(self.url)
+        self.shows(page, "!!window.odoless?.pose && !document.getElementById('control').hidden")
+        click = lambda button: page.value(f"document.getElementById('{button}').click()")
+        answer = "document.getElementById('answer').textContent"
+        click("control")
+        click("pause")
+        self.shows(page, f"{answer} === 'the token is wrong'")
+        page.value(f"document.getElementById('token').value = '{self.token}'")
+        click("pause")
+        self.shows(page, f"{answer} === 'pause: ok'")
+        self.shows(page, "document.getElementById('reasons').textContent.includes('pause')")
+        click("resume")
+        self.shows(page, f"{answer} === 'resume: ok'")
+        self.shows(page, "!document.getElementById('reasons').textContent.includes('pause')")
+        click("save")
+        self.shows(page, f"{answer}.startsWith('save: ') && !{answer}.includes('error')")
+        click("place")
+        for kind, x, y in (("mousePressed", 300, 300), ("mouseMoved", 300, 250), ("mouseReleased", 300, 200)):
+            page.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
+        self.shows(page, f"/^pose .* 90.00: ok$/.test({answer})")
+
     # Pages of somebody else
 
     def test_gives_a_page_of_another_origin_nothing(self):
+        self.use_token()
         self.start_robot()
         page = Page(self.browser("--host-resolver-rules=MAP rebound.example 127.0.0.1"))
         with elsewhere("<title>elsewhere</title>") as url:
@@ -199,7 +225,17 @@ class PageTest(WebCase):
                   set(one);
                   document.body.append(one);
                 }});
-                for (const path of ['', 'events', 'page.js']) {{
+                const known = {{Authorization: 'Bearer {self.token}'}};  // even who knows the token, as no stranger does
+                for (const mode of ['cors', 'no-cors']) {{
+                  await tell('command ' + mode, fetch(own + 'command', {{method: 'POST', body: 'pause', mode, headers: known}})
+                    .then(response => response.type === 'opaque' ? Promise.reject() : response.text()));
+                }}
+                const form = document.createElement('form');
+                Object.assign(form, {{method: 'POST', action: own + 'command', enctype: 'text/plain', target: 'sent'}});
+                document.body.insertAdjacentHTML('beforeend', '<iframe name="sent"></iframe>');
+                document.body.append(form);
+                form.submit();
+                for (const path of ['', 'events', 'page.js', 'control']) {{
                   await tell('fetch ' + path, fetch(own + path).then(response => response.text()));
                   await tell('post ' + path, fetch(own + path, {{method: 'POST', body: 'stop'}}).then(response => response.text()));
                 }}
@@ -216,6 +252,7 @@ class PageTest(WebCase):
             page.value(f"document.body.insertAdjacentHTML('beforeend', '<iframe src=\"{self.url}\"></iframe>')")
             frames = lambda: page.call("Page.getFrameTree")["frameTree"].get("childFrames", [])
             self.wait_until(lambda: any("unreachableUrl" in child["frame"] for child in frames()), 5, pause_s=0.1)
+        self.assertFalse(any("pause" in reason for reason in self.status()["reasons"]), "a stranger has paused mapping")
         page.open(f"http://rebound.example:{self.port}/")
         time.sleep(1)
         self.assertFalse(page.value("'odoless' in window"), "a name that a stranger let point here")

@@ -14,6 +14,7 @@
 #include "firmware/threads/round.hpp"
 #include "firmware/threads/tile_sweep.hpp"
 #include "rt/cpu_clock.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace odoless {
 namespace {
@@ -106,6 +107,53 @@ TEST_F(WebServerTest, StartsAndEndsAgainAndAgainWhileBrowsersComeAndGo) {
     browser.join();
   }
   EXPECT_GT(served, 10);
+}
+
+TEST_F(WebServerTest, CommandsOfWhoKnowsTheTokenAreHandedOnAndNoOthers) {
+  const test::TemporaryFolder folder;
+  WebParams params = params_of(port_);
+  params.token_file = folder.file("token", "0123456789abcdef\n").string();
+  std::filesystem::permissions(params.token_file, std::filesystem::perms::owner_read);
+  std::string heard;
+  WebServer server(params, view_, [&heard](std::string_view line) {
+    heard += line;
+    return std::string("ok\n");
+  });
+  ASSERT_EQ(server.open(), "");
+  ASSERT_EQ(server.start(), 0);
+  httplib::Client client("127.0.0.1", port_);
+  const auto post = [&client](const httplib::Headers& headers, const std::string& body) {
+    const httplib::Result result = client.Post("/command", headers, body, "text/plain");
+    return result ? result->status : -1;
+  };
+  EXPECT_EQ(post({}, "pause"), 401);
+  EXPECT_EQ(post({{"Authorization", "Bearer 0123456789abcdeg"}}, "pause"), 401);
+  const std::pair<std::string, std::string> right{"Authorization", "Bearer 0123456789abcdef"};
+  EXPECT_EQ(post({right, {"Origin", "http://evil.example"}}, "pause"), 403);
+  EXPECT_EQ(post({right}, std::string(1000, 'x')), 413);
+  EXPECT_EQ(heard, "");
+  EXPECT_EQ(post({right}, "pause"), 200);
+  EXPECT_EQ(heard, "pause");
+  EXPECT_EQ(client.Get("/control")->body, "yes");
+}
+
+TEST_F(WebServerTest, WithoutATokenItIsReadOnly) {
+  WebServer server(params_of(port_), view_, [](std::string_view) -> std::string {
+    ADD_FAILURE() << "commanded";
+    return "";
+  });
+  ASSERT_EQ(server.open(), "");
+  ASSERT_EQ(server.start(), 0);
+  httplib::Client client("127.0.0.1", port_);
+  EXPECT_EQ(client.Post("/command", {{"Authorization", "Bearer "}}, "pause", "text/plain")->status, 403);
+  EXPECT_EQ(client.Get("/control")->body, "no");
+}
+
+TEST_F(WebServerTest, SaysWhatIsWrongWithItsToken) {
+  WebParams params = params_of(port_);
+  params.token_file = "/nonexistent/token";
+  EXPECT_THAT(WebServer(params, view_, [](std::string_view) { return std::string(); }).open(),
+              HasSubstr("web.token_file: /nonexistent/token"));
 }
 
 TEST_F(WebServerTest, OneThatNobodyStartedLeavesItsAddressToo) {

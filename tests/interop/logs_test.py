@@ -5,6 +5,7 @@ usage: logs_test.py ODOLESS LCM_TYPES [WRITE_RAWLOG]
 
 Besides the writers of tests/support, each format's own tools write it where they are: liblcm, ROS's rosbag
 (python3-rosbag), @mcap/core (npm; its node_modules folder in ODOLESS_NODE_MODULES), SQLite, MRPT (WRITE_RAWLOG).
+What `replay --mcap` writes is read by @mcap/core with @foxglove/rosmsg and @foxglove/rosmsg2-serialization from there.
 """
 
 import base64
@@ -158,6 +159,7 @@ class Test:
         return [[float(word) for word in line.split()] for line in lines if not line.startswith("#")]
 
     def test_same_trajectory(self):
+        """@return  The trajectory."""
         plain = self.trajectory("carmen")
         expect(len(plain) > SCANS / 2, "the CARMEN log has a trajectory")
         for name in self.logs:
@@ -166,10 +168,38 @@ class Test:
             worst = max(abs(a - b) for pose, same in zip(plain, other) for a, b in zip(pose, same))
             expect(worst <= TOLERANCE, f"{name}: differs by {worst} from CARMEN")
             print(f"holds  {name}: {len(other)} poses, at most {worst:.1e} from CARMEN's")
+        return plain
+
+    def test_written_mcap(self, plain):
+        """What `replay --mcap` writes: read back it is the same log, and @mcap/core finds nothing wrong with it."""
+        out = self.path("written")
+        done = self.run("replay", self.logs["carmen"], "--mcap", "--out", out)
+        expect(done.returncode == 0, f"replay --mcap: {done.stderr.decode()}")
+        self.logs["written by odoless"] = out / "replay.mcap"
+        expect(self.trajectory("written by odoless") == plain, "the log written reads back as another")
+        print("holds  replay --mcap: reads back as the same log")
+        modules = os.environ.get("ODOLESS_NODE_MODULES", "")
+        if not modules:
+            return
+        told = json.loads(subprocess.run(["node", ROOT / "tests/interop/read_mcap.mjs", out / "replay.mcap", modules],
+                                         check=True, stdout=subprocess.PIPE).stdout)
+        topics = told["topics"]
+        expect(set(topics) == {"/scan", "/tf", "/pose", "/diagnostics", "/map", "/path"}, f"topics: {topics.keys()}")
+        expect([topics[t]["messages"] for t in ("/scan", "/tf", "/pose")] == 3 * [len(plain)], "one of each per scan")
+        frames = [(t["header"]["frame_id"], t["child_frame_id"]) for t in topics["/tf"]["last"]["transforms"]]
+        expect(frames == [("map", "odom"), ("odom", "laser")], f"frames: {frames}")
+        path = [pose["pose"]["position"] for pose in topics["/path"]["last"]["poses"]]
+        worst = max(max(abs(p["x"] - q[1]), abs(p["y"] - q[2])) for p, q in zip(path, plain))
+        expect(len(path) == len(plain) and worst <= TOLERANCE, f"/path ends as the trajectory: {len(path)}, {worst}")
+        grid = topics["/map"]["last"]
+        expect(len(grid["data"]) == grid["info"]["width"] * grid["info"]["height"] and set(grid["data"]) - {-1},
+               "/map is a grid with something in it")
+        print("holds  replay --mcap: @mcap/core reads every message, by the index as from front to back")
 
     def test_damaged(self):
         for name, path in self.logs.items():
-            if name not in ("carmen", "lcm", "bag none", "bag lz4", "mcap ", "mcap zstd", "db3", "rawlog 7"):
+            if name not in ("carmen", "lcm", "bag none", "bag lz4", "mcap ", "mcap zstd", "db3", "rawlog 7",
+                            "written by odoless"):
                 continue
             whole = path.read_bytes()
             refused = 0
@@ -204,8 +234,9 @@ class Test:
             scans = self.write_carmen()
             self.write_by_hand(scans)
             self.write_by_their_tools(scans)
-            self.test_same_trajectory()
+            plain = self.test_same_trajectory()
             self.test_topics(scans)
+            self.test_written_mcap(plain)
             self.test_damaged()
 
 

@@ -33,7 +33,7 @@ std::string asked(
 /// Two browsers that watch, and one that has a name for this host.
 std::string browsed(const DaemonParams& params) {
   const LiveView view({.resolution_m = 0.1, .columns = 64, .rows = 64});
-  WebServer server(params.web, view);
+  WebServer server(params.web, view, [](std::string_view) { return std::string(); });
   if (const std::string wrong = server.open(); !wrong.empty()) {
     return wrong;
   }

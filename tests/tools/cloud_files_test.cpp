@@ -146,7 +146,7 @@ TEST(CloudPicture, NearerPointsHideOthersAndTheCeilingIsCut) {
   const HeightColours colours(points);
   const double cut_m = below_ceiling_m(colours);
   EXPECT_NEAR(cut_m, 2.2, 1e-9);
-  const Canvas above = draw_cloud_from_above(points, colours, cut_m);
+  const Canvas above = plan_of_cloud(points, colours, cut_m, 600).canvas;
   EXPECT_EQ(pixels_of(above, colours.at(2.5)), 0);
   const int low = pixels_of(above, colours.at(0.0));
   const int high = pixels_of(above, colours.at(1.0));
@@ -162,7 +162,7 @@ TEST(CloudPicture, StaysSmallWhateverTheCloud) {
   for (const double size_m : {0.0, 1e-6, 1.0, 1e6}) {
     const std::vector<Point3> points{{0.0, 0.0, 0.0}, {size_m, size_m / 2.0, size_m}};
     const HeightColours colours(points);
-    const Canvas above = draw_cloud_from_above(points, colours, 1e9);
+    const Drawing above = draw_cloud_from_above(points, colours, 1e9);
     EXPECT_LE(above.width_px(), 2048);
     EXPECT_LE(above.height_px(), 2048);
     EXPECT_GT(pixels_of(draw_cloud_in_perspective(points, colours, 1e9), {255, 255, 255}), 0);

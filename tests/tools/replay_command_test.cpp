@@ -67,6 +67,16 @@ TEST_F(Replay, WritesEveryOutput) {
   }
 }
 
+TEST_F(Replay, WritesMcapThatGivesTheSameTrajectoryAgain) {
+  ASSERT_EQ(run({"replay", log(), "--out", out("a").string(), "--mcap"}).status, 0);
+  ASSERT_EQ(run({"replay", log(), "--out", out("plain").string()}).status, 0);
+  const Outcome again = run({"replay", (out("a") / "replay.mcap").string(), "--out", out("b").string()});
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(read(out("a") / "trajectory.tum"), read(out("plain") / "trajectory.tum"));
+  EXPECT_EQ(read(out("a") / "trajectory.tum"), read(out("b") / "trajectory.tum"));
+  EXPECT_FALSE(std::filesystem::exists(out("plain") / "replay.mcap"));
+}
+
 TEST_F(Replay, FindsTheTruePath) {
   ASSERT_EQ(run({"replay", log(), "--out", out("a").string()}).status, 0);
   const Outcome ate = run({"eval", "ate", truth(), (out("a") / "trajectory.tum").string(), "--json"});

@@ -201,12 +201,15 @@ void write_cloud_result(const CloudJob& job, const CloudResult& result) {
   const double cut_m = below_ceiling_m(colours);
   write_cloud_ply(job.out / "cloud.ply", result.points, colours);
   write_cloud_pcd(job.out / "cloud.pcd", result.points, colours);
-  write_whole_file(job.out / "cloud_top.png", draw_cloud_from_above(result.points, colours, cut_m).png());
-  write_whole_file(job.out / "cloud_perspective.png", draw_cloud_in_perspective(result.points, colours, cut_m).png());
+  write_drawing(job.out / "cloud_top.png", draw_cloud_from_above(result.points, colours, cut_m));
+  write_drawing(job.out / "cloud_perspective.png",
+                draw_cloud_with_heights(result.points, colours, cut_m, "3D map without the ceiling"));
   if (job.keys_shown > 0) {
     const std::vector<Point3> shown =
         points_of_keys(result.run.mapper.cloud(), static_cast<std::size_t>(job.keys_shown));
-    write_whole_file(job.out / "cloud_keys.png", draw_cloud_in_perspective(shown, colours, cut_m).png());
+    write_drawing(
+        job.out / "cloud_keys.png",
+        draw_cloud_with_heights(shown, colours, cut_m, fmt::format("The first {} key poses", job.keys_shown)));
   }
   write_trajectory(job.out / "trajectory.tum",
                    robot_trajectory(result.run.slam.trajectory, LaserPlace::of(job.params.robot.mount)));

@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <vector>
 
@@ -27,6 +29,7 @@
 #include "tools/output/whole_file.hpp"
 #include "tools/output/world_output.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/replay/replay_mcap.hpp"
 #include "tools/replay/replay_page.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/verdict.hpp"
@@ -35,6 +38,7 @@ namespace odoless {
 namespace {
 
 constexpr Rgb kEstimateColour{220, 50, 32};
+constexpr Rgb kOnlineColour{230, 159, 0};
 constexpr Rgb kTruthColour{0, 90, 181};
 constexpr Rgb kClosureColour{46, 125, 50};
 
@@ -49,6 +53,7 @@ struct LogJob {
   double period_ms = 200.0;
   bool strict = false;
   bool force = false;
+  bool mcap = false;
   ReplayOptions options;
 };
 
@@ -82,6 +87,17 @@ ReplayProgress show_on(Progress& bar) {
   };
 }
 
+/// Either may be empty.
+ReplayWatcher both(ReplayWatcher first, ReplayWatcher second) {
+  if (!first || !second) {
+    return first ? first : second;
+  }
+  return [first, second](const ChainStep& step, const RawScan& raw, StageChain& chain) {
+    first(step, raw, chain);
+    second(step, raw, chain);
+  };
+}
+
 std::int64_t scans_used(const ScanLog& log, int every) {
   return (static_cast<std::int64_t>(log.scans.size()) + every - 1) / every;
 }
@@ -108,15 +124,21 @@ void write_summary(const std::filesystem::path& folder, const nlohmann::ordered_
   write_whole_file(folder / kSummaryFile, summary.dump(2) + "\n");
 }
 
+std::string title_of(const LogJob& job) { return std::filesystem::path(job.log).filename().string(); }
+
 // The true path, where one is given, moved so that both paths begin in one pose; it is drawn and nothing else.
-std::vector<ColouredPath> paths_to_draw(const LogJob& job, std::span<const StampedPose> trajectory) {
+std::vector<ColouredPath> paths_to_draw(const LogJob& job, std::span<const StampedPose> final_path,
+                                        std::span<const StampedPose> online_path) {
   std::vector<ColouredPath> paths;
-  ColouredPath estimate{{}, kEstimateColour};
-  for (const StampedPose& stamped : trajectory) {
-    estimate.poses.push_back(stamped.map_T_scan);
-  }
+  const auto poses_of = [](std::span<const StampedPose> trajectory) {
+    std::vector<Pose2> poses;
+    std::ranges::transform(trajectory, std::back_inserter(poses), &StampedPose::map_T_scan);
+    return poses;
+  };
+  const ColouredPath estimate{poses_of(final_path), kEstimateColour, "path (final)"};
+  paths.push_back({poses_of(online_path), kOnlineColour, "path (online)"});
   if (!job.truth.empty()) {
-    ColouredPath truth{{}, kTruthColour};
+    ColouredPath truth{{}, kTruthColour, "true path"};
     const ReferencePoses reference = read_reference_poses(job.truth);
     const Pose2 map_T_world = estimate.poses.front() * reference.poses.front().pose.inverse();
     for (const ReferencePose& pose : reference.poses) {
@@ -133,10 +155,12 @@ std::vector<ColouredPath> graph_to_draw(const PoseGraph& graph) {
   std::vector<ColouredPath> paths;
   for (const Constraint& constraint : graph.constraints()) {
     if (constraint.is_loop && constraint.weight > 0.0) {
-      paths.push_back({{graph.pose(constraint.from), graph.pose(constraint.to)}, kClosureColour});
+      paths.push_back({{graph.pose(constraint.from), graph.pose(constraint.to)},
+                       kClosureColour,
+                       paths.empty() ? "loop closures" : ""});
     }
   }
-  paths.push_back({{graph.poses().begin(), graph.poses().end()}, kEstimateColour});
+  paths.push_back({{graph.poses().begin(), graph.poses().end()}, kEstimateColour, "submaps"});
   return paths;
 }
 
@@ -144,16 +168,18 @@ void write_replay(const LogJob& job, const std::filesystem::path& folder, const 
                   const LaserPlace& laser, nlohmann::ordered_json summary) {
   const std::vector<StampedPose> trajectory = robot_trajectory(result.trajectory, laser);
   write_trajectory(folder / "trajectory.tum", trajectory);
-  write_trajectory(folder / "trajectory_online.tum", robot_trajectory(result.online_trajectory, laser));
+  const std::vector<StampedPose> online = robot_trajectory(result.online_trajectory, laser);
+  write_trajectory(folder / "trajectory_online.tum", online);
   write_matches(folder / "matches.csv", result.matches);
   if (!result.map.occupancy_percent.empty()) {
     write_map(folder, result.map);
-    write_map_picture(folder / "map.png", result.map, paths_to_draw(job, trajectory));
+    write_map_picture(folder / "map.png", result.map, paths_to_draw(job, trajectory, online), title_of(job));
   }
   if (result.graph) {
     write_whole_file(folder / "pose_graph.g2o", format_g2o(*result.graph));
     if (result.graph->size() > 0 && !result.map.occupancy_percent.empty()) {
-      write_map_picture(folder / "pose_graph.png", result.map, graph_to_draw(*result.graph));
+      write_map_picture(folder / "pose_graph.png", result.map, graph_to_draw(*result.graph),
+                        title_of(job) + ": pose graph");
     }
     summary["submaps"] = result.graph->size();
     summary["loop_closures"] = result.closures.accepted - result.closures.taken_out;
@@ -197,11 +223,16 @@ void run_replay(const LogJob& job) {
   ReplayOptions options = job.options;
   keep_world(job, params, options);
   const auto page = job.web.empty() ? nullptr : std::make_unique<ReplayPage>(job.web);
+  const auto mcap = job.mcap ? std::make_unique<ReplayMcap>(folder.unfinished() / "replay.mcap") : nullptr;
   const std::int64_t scans = scans_used(log, job.options.every);
   ReplayResult result;
   {
     Progress bar(scans, InPipe::kLines);
-    result = replay(log, params, options, show_on(bar), page ? page->watcher() : ReplayWatcher());
+    result = replay(log, params, options, show_on(bar),
+                    both(page ? page->watcher() : ReplayWatcher(), mcap ? mcap->watcher() : ReplayWatcher()));
+  }
+  if (mcap) {
+    mcap->finish(result);
   }
   outcome.figures = figures_of(result);
   outcome.verdict = judge(outcome.figures);
@@ -276,6 +307,8 @@ void add_replay(CLI::App& app) {
   command->add_option("--truth", job->truth, "True poses, only drawn into the picture: TUM, `stamp x y yaw`, or a log");
   command->add_option("--world", job->world,
                       "World file to add this replay to as a session; made where it is not there");
+  command->add_flag("--mcap", job->mcap,
+                    "Write replay.mcap, for Foxglove or ROS 2: scans, poses, frames, health, map and path");
   command->add_option("--web", job->web, "ADDRESS:PORT of a page that shows the replay, until interrupted");
   command->callback([job] { run_replay(*job); });
 }

@@ -217,7 +217,7 @@ void run_export(const WorldJob& job) {
   const Joined joined = joined_to(*world, session);
   ResultFolder folder(job.out, job.force);
   const std::filesystem::path& out = folder.unfinished();
-  ColouredPath path{{}, kPathColour};
+  ColouredPath path{{}, kPathColour, "path (final)"};
   for (std::size_t i = 0; i < world->sessions.size(); ++i) {
     if (is_in(joined, world->sessions[i])) {
       const std::vector<StampedPose> poses =
@@ -233,7 +233,8 @@ void run_export(const WorldJob& job) {
   map.write(picture);
   if (!picture.occupancy_percent.empty()) {
     write_map(out, picture);
-    write_map_picture(out / "map.png", picture, {&path, 1});
+    write_map_picture(out / "map.png", picture, {&path, 1},
+                      fmt::format("{}, session {}", std::filesystem::path(job.file).filename().string(), chosen + 1));
   }
   folder.finish();
   fmt::print("session {}, {} of {} submaps: {}\n", chosen + 1, joined.submaps.size(), world->submaps.size(),

@@ -145,7 +145,7 @@ std::vector<Pose2> write_stream(const std::filesystem::path& path, PoseStream& s
 
 void write_all(const std::filesystem::path& folder, DaemonResult& result, const SaveProgress& tell) {
   nlohmann::ordered_json summary = summary_of(result);
-  std::array path{ColouredPath{{}, kPathColour}};
+  std::array path{ColouredPath{{}, kPathColour, "path (final)"}};
   if (result.has_trajectory) {
     path[0].poses = write_stream(folder / "trajectory.tum", result.trajectory, result.laser, tell);
     static_cast<void>(write_stream(folder / "trajectory_online.tum", result.online_trajectory, result.laser, tell));
@@ -155,7 +155,7 @@ void write_all(const std::filesystem::path& folder, DaemonResult& result, const 
     tell("writing map.pgm");
     write_map(folder, result.map);
     tell("writing map.png");
-    write_map_picture(folder / "map.png", result.map, path);
+    write_map_picture(folder / "map.png", result.map, path, "odoless: the map of this run");
   }
   tell("writing the 3D map");
   write_cloud(folder, result);

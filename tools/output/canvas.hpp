@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace odoless {
@@ -21,7 +20,7 @@ struct Pixel {
   int row_px = 0;
 };
 
-/// A picture to draw on; what lies outside is not drawn.
+/// A picture of pixels; what lies outside is not set. Lines and text are drawing.hpp's.
 class Canvas {
  public:
   Canvas(int width_px, int height_px, Rgb background);
@@ -32,12 +31,8 @@ class Canvas {
   [[nodiscard]] bool contains(Pixel pixel) const;
 
   void set(Pixel pixel, Rgb colour);
-  void rectangle(Pixel top_left, Pixel bottom_right, Rgb colour);
-  void disc(Pixel centre, int radius_px, Rgb colour);
-  /// Two pixels wide. Both ends must be near the canvas: the work grows with the line's length.
-  void line(Pixel from, Pixel to, Rgb colour);
-  /// Digits, spaces and the letter m, 14 pixels high.
-  void text(Pixel top_left, std::string_view characters, Rgb colour);
+  /// Red, green and blue of each pixel, row by row from the top.
+  [[nodiscard]] std::uint8_t* bytes() { return &pixels_.front().red; }
 
   /// The picture as a PNG file.
   [[nodiscard]] std::string png() const;

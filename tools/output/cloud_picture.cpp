@@ -1,5 +1,7 @@
 #include "tools/output/cloud_picture.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,13 +10,12 @@
 #include <vector>
 
 #include "core/math/elementary.hpp"
-#include "tools/output/scale_bar.hpp"
 
 namespace odoless {
 namespace {
 
 constexpr Rgb kBackground{255, 255, 255};
-constexpr int kSidePx = 2000;
+constexpr int kSidePx = 1850;
 
 /// The cuboid in which the outermost points lie; of none, the one around the origin.
 struct Box {
@@ -129,20 +130,20 @@ std::vector<Point3> below(std::span<const Point3> points, double cut_m) {
   return kept;
 }
 
-/// How large a plan is, and how much room is left around it.
+/// How large a plan is.
 struct PlanSize {
   int side_px;
   int width_min_px = 1;
-  int below_px = 0;
 };
 
-CloudPlan draw_plan(std::span<const Point3> points, const HeightColours& colours, double cut_m, const PlanSize& size) {
+CloudPlan render_plan(std::span<const Point3> points, const HeightColours& colours, double cut_m,
+                      const PlanSize& size) {
   const std::vector<Point3> kept = below(points, cut_m);
   const Box box(kept);
   const double px_per_m = std::min(size.side_px / std::max(box.width_m(), box.depth_m()), 60.0);
   const int width_px = static_cast<int>(box.width_m() * px_per_m) + 1;
   const int height_px = static_cast<int>(box.depth_m() * px_per_m) + 1;
-  DepthCanvas picture(std::max(width_px, size.width_min_px), height_px + size.below_px);
+  DepthCanvas picture(std::max(width_px, size.width_min_px), height_px);
   for (const Point3& p : kept) {
     const Pixel at{static_cast<int>((p.x_m - box.low.x_m) * px_per_m),
                    height_px - 1 - static_cast<int>((p.y_m - box.low.y_m) * px_per_m)};
@@ -151,17 +152,26 @@ CloudPlan draw_plan(std::span<const Point3> points, const HeightColours& colours
   return {std::move(picture.canvas()), {box.low.x_m, box.low.y_m}, px_per_m};
 }
 
+ColourBar heights_of(const HeightColours& colours) {
+  return {
+      .title = "height in m", .low_m = colours.low_m(), .high_m = colours.high_m(), .colour = [colours](double z_m) {
+        return colours.at(z_m);
+      }};
+}
+
 }  // namespace
 
 CloudPlan plan_of_cloud(std::span<const Point3> points, const HeightColours& colours, double cut_m, int side_px) {
-  return draw_plan(points, colours, cut_m, {.side_px = side_px});
+  return render_plan(points, colours, cut_m, {.side_px = side_px});
 }
 
-Canvas draw_cloud_from_above(std::span<const Point3> points, const HeightColours& colours, double cut_m) {
-  CloudPlan plan =
-      draw_plan(points, colours, cut_m, {.side_px = kSidePx, .width_min_px = 400, .below_px = kScaleBarHeightPx});
-  draw_scale_bar(plan.px_per_m, plan.canvas);
-  return std::move(plan.canvas);
+Drawing draw_cloud_from_above(std::span<const Point3> points, const HeightColours& colours, double cut_m) {
+  CloudPlan plan = render_plan(points, colours, cut_m, {.side_px = kSidePx, .width_min_px = 400});
+  return draw_plan({.title = fmt::format("3D map from above, up to {:.1f} m high", std::min(cut_m, colours.high_m())),
+                    .picture = std::move(plan.canvas),
+                    .low = plan.low,
+                    .px_per_m = plan.px_per_m,
+                    .bar = heights_of(colours)});
 }
 
 Canvas draw_cloud_in_perspective(std::span<const Point3> points, const HeightColours& colours, double cut_m,
@@ -179,6 +189,18 @@ Canvas draw_cloud_in_perspective(std::span<const Point3> points, const HeightCol
     }
   }
   return picture.canvas();
+}
+
+Drawing draw_cloud_with_heights(std::span<const Point3> points, const HeightColours& colours, double cut_m,
+                                const std::string& title) {
+  constexpr int kTop_px = 64;
+  constexpr int kBarLeft_px = 24;
+  Canvas picture = draw_cloud_in_perspective(points, colours, cut_m);
+  Drawing drawing(picture.width_px(), picture.height_px() + kTop_px, kBackground);
+  drawing.image({0, kTop_px}, std::move(picture));
+  drawing.text({static_cast<double>(kBarLeft_px), 28.0}, title);
+  draw_colour_bar(heights_of(colours), kBarLeft_px, kTop_px, drawing.height_px(), drawing);
+  return drawing;
 }
 
 double below_ceiling_m(const HeightColours& colours) { return colours.high_m() - 0.3; }

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <span>
 
-#include "tools/output/canvas.hpp"
 #include "tools/output/cloud_files.hpp"
+#include "tools/output/plan.hpp"
 
 namespace odoless {
 
@@ -20,13 +20,17 @@ struct CloudPlan {
 [[nodiscard]] CloudPlan plan_of_cloud(std::span<const Point3> points, const HeightColours& colours, double cut_m,
                                       int side_px);
 
-/// The same as a picture of its own, with a bar of 5 or 10 m. At most 2048 pixels wide and high.
-[[nodiscard]] Canvas draw_cloud_from_above(std::span<const Point3> points, const HeightColours& colours, double cut_m);
+/// The same as a drawing with axes and the colours' heights. At most 2048 pixels wide and high.
+[[nodiscard]] Drawing draw_cloud_from_above(std::span<const Point3> points, const HeightColours& colours, double cut_m);
 
 /// In perspective, seen from a corner at 40 deg above the horizon, from where all of it can be seen; 8 to 5.
 constexpr int kPerspectiveWidthPx = 1600;
 [[nodiscard]] Canvas draw_cloud_in_perspective(std::span<const Point3> points, const HeightColours& colours,
                                                double cut_m, int width_px = kPerspectiveWidthPx);
+
+/// The same as a drawing with a title and the colours' heights.
+[[nodiscard]] Drawing draw_cloud_with_heights(std::span<const Point3> points, const HeightColours& colours,
+                                              double cut_m, const std::string& title);
 
 /// Where to cut a cloud of rooms: 0.3 m beneath the highest points.
 [[nodiscard]] double below_ceiling_m(const HeightColours& colours);

@@ -3,22 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/base/check.hpp"
-#include "tools/output/scale_bar.hpp"
-#include "tools/output/whole_file.hpp"
 
 namespace odoless {
 namespace {
 
 constexpr double kMarginM = 1.0;
-constexpr double kSideMinM = 8.0;  // room for the bar
-constexpr int kSideMaxPx = 4096;
+constexpr double kSideMinM = 8.0;       // room for the bar
+constexpr int kSideMaxPx = 4096 - 128;  // beside what is drawn around it
+static_assert(kPlanLeft_px + kPlanRight_px <= 128 && kPlanTop_px + kPlanBottom_px <= 128);
 constexpr int kSideWantedPx = 800;
-constexpr int kFooterPx = kScaleBarHeightPx;
-constexpr int kStartRadiusPx = 6;
 constexpr int kUnknownGrey = 205;
-constexpr Rgb kWhite{255, 255, 255};
 
 /// The part of the map to show, in cells of the map; it may reach beyond the map.
 struct Crop {
@@ -67,7 +64,7 @@ class View {
  public:
   explicit View(const OccupancyMap& map) : map_(map), crop_(find_crop(map)) {
     const int side = std::max(crop_.width(), crop_.height());
-    cells_per_px_ = (side + kSideMaxPx - kFooterPx - 1) / (kSideMaxPx - kFooterPx);
+    cells_per_px_ = (side + kSideMaxPx - 1) / kSideMaxPx;
     px_per_cell_ = std::max(1, kSideWantedPx / side);
   }
 
@@ -90,17 +87,9 @@ class View {
     return highest;
   }
 
-  /// Where a point is shown; false when that is off the picture.
-  [[nodiscard]] bool find(const Pose2& point, Pixel& pixel) const {
-    const double left_m = map_.origin_x_m + crop_.column_begin * map_.resolution_m;
-    const double bottom_m = map_.origin_y_m + crop_.row_begin * map_.resolution_m;
-    const double column_px = (point.x_m - left_m) * px_per_m();
-    const double up_px = (point.y_m - bottom_m) * px_per_m();
-    if (!(column_px >= 0.0 && column_px < width_px() && up_px >= 0.0 && up_px < height_px())) {
-      return false;
-    }
-    pixel = {static_cast<int>(column_px), height_px() - 1 - static_cast<int>(up_px)};
-    return true;
+  [[nodiscard]] Point2 low() const {
+    return {map_.origin_x_m + crop_.column_begin * map_.resolution_m,
+            map_.origin_y_m + crop_.row_begin * map_.resolution_m};
   }
 
  private:
@@ -122,41 +111,23 @@ void draw_cells(const View& view, Canvas& canvas) {
   }
 }
 
-void draw_path(const View& view, const ColouredPath& path, Canvas& canvas) {
-  Pixel before;
-  bool is_drawing = false;
-  for (const Pose2& pose : path.poses) {
-    Pixel here;
-    const bool is_visible = view.find(pose, here);
-    if (is_visible) {
-      canvas.line(is_drawing ? before : here, here, path.rgb);
-      before = here;
-    }
-    is_drawing = is_visible;
-  }
-  if (Pixel start; !path.poses.empty() && view.find(path.poses.front(), start)) {
-    canvas.disc(start, kStartRadiusPx, kWhite);
-    canvas.disc(start, kStartRadiusPx - 2, path.rgb);
-  }
-}
-
 }  // namespace
 
-Canvas draw_map(const OccupancyMap& map, std::span<const ColouredPath> paths) {
+Drawing draw_map(const OccupancyMap& map, std::span<const ColouredPath> paths, const std::string& title) {
   ODOLESS_CHECK(map.width_cells > 0 && map.height_cells > 0 && map.resolution_m > 0.0);
   const View view(map);
-  Canvas canvas(view.width_px(), view.height_px() + kFooterPx, kWhite);
+  Canvas canvas(view.width_px(), view.height_px(), {});
   draw_cells(view, canvas);
-  for (const ColouredPath& path : paths) {
-    draw_path(view, path, canvas);
-  }
-  draw_scale_bar(view.px_per_m(), canvas);
-  return canvas;
+  return draw_plan({.title = title,
+                    .picture = std::move(canvas),
+                    .low = view.low(),
+                    .px_per_m = view.px_per_m(),
+                    .paths = {paths.begin(), paths.end()}});
 }
 
-void write_map_picture(const std::filesystem::path& path, const OccupancyMap& map,
-                       std::span<const ColouredPath> paths) {
-  write_whole_file(path, draw_map(map, paths).png());
+void write_map_picture(const std::filesystem::path& path, const OccupancyMap& map, std::span<const ColouredPath> paths,
+                       const std::string& title) {
+  write_drawing(path, draw_map(map, paths, title));
 }
 
 }  // namespace odoless

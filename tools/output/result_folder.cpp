@@ -23,10 +23,13 @@ namespace {
 constexpr const char* kPrefix = ".unfinished-";
 
 /// All that a run may write: what a run before has left is removed where it is to be replaced.
-constexpr std::array<std::string_view, 14> kResultFiles{
-    kSummaryFile,    "trajectory.tum",        "trajectory_online.tum", "map.pgm",     "map.yaml",
-    "map.png",       "matches.csv",           "pose_graph.g2o",        "cloud.ply",   "cloud.pcd",
-    "cloud_top.png", "cloud_perspective.png", "cloud_keys.png",        "tilt_log.csv"};
+constexpr std::array<std::string_view, 21> kResultFiles{
+    kSummaryFile,     "trajectory.tum", "trajectory_online.tum", "map.pgm",
+    "map.yaml",       "map.png",        "matches.csv",           "pose_graph.g2o",
+    "cloud.ply",      "cloud.pcd",      "cloud_top.png",         "cloud_perspective.png",
+    "cloud_keys.png", "tilt_log.csv",   "pose_graph.png",        "replay.mcap",
+    "map.svg",        "pose_graph.svg", "cloud_top.svg",         "cloud_perspective.svg",
+    "cloud_keys.svg"};
 
 [[noreturn]] void fail(const std::filesystem::path& folder, const std::string& what, int error_number) {
   throw CannotCreateError(fmt::format("{}: {}", folder.string(), what), error_number);

@@ -6,6 +6,7 @@ let pose = null;
 let path_m = []; // x, y, x, y, ...
 let scan_m = [];
 let status = null;
+let placed_m = null; // from where to where is dragged to set the pose; null: no setting, empty: not begun
 let measured_m = null; // points that were touched to measure; null: no measuring
 
 const $ = id => document.getElementById(id);
@@ -54,6 +55,7 @@ function knownCells(levels, column, row) {
 
 const hear = {
   map(told) {
+    if (map?.run !== told.run) findControl();
     if (!map || map.run !== told.run || map.number !== told.number) {
       tiles.clear();
       path_m = [];
@@ -179,7 +181,8 @@ function paint() {
   paintPath(pen);
   paintScan(pen);
   if (pose) paintPose(pen);
-  if (measured_m) paintMeasure(pen);
+  if (measured_m) paintLine(pen, measured_m);
+  if (placed_m) paintLine(pen, placed_m);
   paintScale();
 }
 
@@ -236,10 +239,10 @@ function paintPose(pen) {
   pen.restore();
 }
 
-function paintMeasure(pen) {
+function paintLine(pen, points_m) {
   pen.strokeStyle = pen.fillStyle = "#b45309";
   pen.beginPath();
-  for (const [x_m, y_m] of measured_m) {
+  for (const [x_m, y_m] of points_m) {
     pen.lineTo(toX(x_m), toY(y_m));
     pen.fillRect(toX(x_m) - 4, toY(y_m) - 4, 8, 8);
   }
@@ -307,6 +310,7 @@ canvas.addEventListener("pointerdown", event => {
   canvas.setPointerCapture(event.pointerId);
   fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
   if (measured_m && fingers.size === 1) measureAt(event.offsetX, event.offsetY);
+  if (placed_m && fingers.size === 1) placed_m = [pointAt(event.offsetX, event.offsetY)];
 });
 
 // One finger moves the map; two also zoom it.
@@ -314,6 +318,11 @@ canvas.addEventListener("pointermove", event => {
   const from = fingers.get(event.pointerId);
   if (!from || measured_m) return;
   const to = [event.offsetX, event.offsetY];
+  if (placed_m) {
+    placed_m = [placed_m[0] ?? pointAt(...to), pointAt(...to)];
+    draw();
+    return;
+  }
   const other = [...fingers].find(([id]) => id !== event.pointerId)?.[1];
   if (view.follow && Math.hypot(to[0] - from[0], to[1] - from[1]) > 3) follow(false);
   if (view.follow) return;
@@ -324,6 +333,14 @@ canvas.addEventListener("pointermove", event => {
     move((from[0] - to[0]) / view.px_per_m, (to[1] - from[1]) / view.px_per_m);
   }
   fingers.set(event.pointerId, to);
+});
+
+canvas.addEventListener("pointerup", () => {
+  if (placed_m?.length !== 2) return;
+  const [[x_m, y_m], [to_x_m, to_y_m]] = placed_m;
+  const yaw_deg = Math.atan2(to_y_m - y_m, to_x_m - x_m) * 180 / Math.PI;
+  ask(`pose ${x_m.toFixed(3)} ${y_m.toFixed(3)} ${yaw_deg.toFixed(2)}`);
+  place(false);
 });
 
 for (const kind of ["pointerup", "pointercancel"]) canvas.addEventListener(kind, event => fingers.delete(event.pointerId));
@@ -344,6 +361,44 @@ $("measure").onclick = () => {
   draw();
 };
 addEventListener("resize", draw);
+
+// ---- Commands, for who knows the token, which this tab keeps
+
+$("token").value = sessionStorage.getItem("token") ?? "";
+$("token").onchange = () => sessionStorage.setItem("token", $("token").value);
+
+async function ask(command) {
+  text("answer", "...");
+  try {
+    const answer = await fetch("command", { method: "POST", body: command, headers: { Authorization: `Bearer ${$("token").value}` } });
+    text("answer", answer.ok ? `${command}: ${(await answer.text()).trim()}` : answer.status === 401 ? "the token is wrong" : `refused (${answer.status})`);
+  } catch {
+    text("answer", "no connection");
+  }
+}
+
+function place(is_placing) {
+  if (is_placing) follow(false); // what is pointed at must not move
+  placed_m = is_placing ? [] : null;
+  press("place", is_placing);
+  draw();
+}
+
+function showControls(is_shown) {
+  $("controls").hidden = !is_shown;
+  press("control", is_shown);
+  if (!is_shown) place(false);
+}
+
+$("control").onclick = () => showControls($("controls").hidden);
+for (const command of ["pause", "resume", "save"]) $(command).onclick = () => ask(command);
+$("place").onclick = () => place(placed_m === null);
+
+async function findControl() {
+  const is_there = await fetch("control").then(answer => answer.text(), () => "no") === "yes";
+  $("control").hidden = !is_there;
+  if (!is_there) showControls(false);
+}
 
 // For tests and for the curious: what is shown, as figures.
 window.odoless = {
