@@ -92,7 +92,8 @@ Parsed parse_save(std::string_view arguments) {
   }
   arguments.remove_prefix(std::min(arguments.find_first_not_of(' '), arguments.size()));
   command.folder = arguments;
-  const bool is_printable = std::none_of(arguments.begin(), arguments.end(), [](char c) { return c >= 0 && c < ' '; });
+  const bool is_printable =
+      std::none_of(arguments.begin(), arguments.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
   if (!is_printable || (!arguments.empty() && arguments.front() != '/') || (command.is_forced && arguments.empty())) {
     return "save takes nothing, or an absolute path: save [--force] /PATH";
   }

@@ -20,7 +20,7 @@ namespace odoless {
 /// One stage's side of the pipeline: where it is woken, what it says, and whether it lives.
 template <class Report>
 struct StagePort {
-  StagePort(std::size_t outbox_bytes, std::size_t events) : outbox(outbox_bytes), log(events) {}
+  StagePort(std::size_t outbox_bytes, std::size_t events) : outbox(outbox_bytes), log{events} {}
 
   WakeUp wake;
   Outbox outbox;

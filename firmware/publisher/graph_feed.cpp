@@ -3,12 +3,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
 
+#include "core/geometry/matrix_rows.hpp"
+#include "core/geometry/pose2_covariance.hpp"
 #include "core/graph/world_map.hpp"
 #include "firmware/threads/round.hpp"
 #include "rt/cpu_clock.hpp"
@@ -18,15 +19,6 @@ namespace {
 
 constexpr int kNice = 10;
 constexpr std::int64_t kRest = 3;  // times the CPU time of a step
-
-/// A covariance over (x_m, y_m, yaw_rad), row by row, in axes turned by that.
-std::array<double, 9> turned(const std::array<double, 9>& covariance, double yaw_rad) {
-  using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  const Eigen::Matrix3d turn = Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  std::array<double, 9> out{};
-  Eigen::Map<Rows>(out.data()) = turn * Eigen::Map<const Rows>(covariance.data()) * turn.transpose();
-  return out;
-}
 
 }  // namespace
 
@@ -172,7 +164,7 @@ void GraphFeed::place(PoseRecord& pose) {
   const double turn_rad = map_T_odom.yaw_rad - pose.map_T_odom.yaw_rad;
   pose.map_T_odom = map_T_odom;
   pose.map_T_scan = map_T_odom * pose.odom_T_scan;
-  pose.covariance = turned(pose.covariance, turn_rad);
+  pose.covariance = rows_of<3>(turned(matrix_of<3>(pose.covariance), turn_rad));
   health_.map_T_odom = map_T_odom;
 }
 

@@ -5,7 +5,7 @@ import re
 import cpp_source
 import sources
 
-WHERE = ("core/", "drivers/", "tools/log/", "tools/output/trajectory")
+WHERE = ("core/", "drivers/", "firmware/", "tools/log/", "tools/output/trajectory", "tools/sim/", "tools/emulate/", "tools/fault_campaign/")
 OWN = "core/math/"
 FUNCTION = (
     r"(?:a?(?:sin|cos|tan)h?|atan2|sincos|exp|exp2|exp10|expm1|log|log2|log10|log1p|pow|cbrt|hypot|erfc?|[tl]gamma|polar|arg)[fl]?"

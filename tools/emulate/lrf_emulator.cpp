@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cmath>
 #include <utility>
 
+#include "core/math/elementary.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
 
@@ -96,8 +96,8 @@ void LoopedLrf::tell_truth(const SentScan& scan) {
   }
   const std::int64_t stamp_us = (scan.first_beam_ns + epoch_offset_ns_) / 1000;
   truth_ << fmt::format("{}.{:06} {:.9f} {:.9f} 0 0 0 {:.9f} {:.9f}\n", stamp_us / 1'000'000, stamp_us % 1'000'000,
-                        world_T_robot->x_m, world_T_robot->y_m, std::sin(world_T_robot->yaw_rad / 2.0),
-                        std::cos(world_T_robot->yaw_rad / 2.0))
+                        world_T_robot->x_m, world_T_robot->y_m, math::sin(world_T_robot->yaw_rad / 2.0),
+                        math::cos(world_T_robot->yaw_rad / 2.0))
          << std::flush;
   if (!truth_) {
     throw IoError("writing the truth failed");

@@ -91,7 +91,7 @@ void add(RawRecording& recording, const LoggedMessage& message, const std::files
 }  // namespace
 
 RawRecording read_raw_recording(const std::filesystem::path& path) {
-  EventLog log(open_bytes(path), path.string());
+  EventLog log{open_bytes(path), path.string()};
   RawRecording recording;
   std::size_t kept_bytes = 0;
   for (LoggedMessage message; log.next(message);) {

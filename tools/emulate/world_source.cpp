@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/math/elementary.hpp"
 #include "tools/sim/ray_caster.hpp"
 
 namespace odoless {
@@ -28,7 +29,7 @@ double WorldSource::true_range_m(std::int64_t time_ns, const Pose2& world_T_robo
   }
   const double world_angle_rad = world_T_robot.yaw_rad + angle_rad;
   return cast_ray_m(drive_.world, static_cast<double>(time_ns) * 1e-9, {world_T_robot.x_m, world_T_robot.y_m},
-                    {std::cos(world_angle_rad), std::sin(world_angle_rad)});
+                    {math::cos(world_angle_rad), math::sin(world_angle_rad)});
 }
 
 void WorldSource::measure(std::int64_t index, std::span<const EmulatedBeam> beams, std::span<double> ranges_m) {

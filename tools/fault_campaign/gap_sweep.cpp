@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/grid/occupancy_map.hpp"
+#include "core/math/elementary.hpp"
 #include "rt/cpu_clock.hpp"
 
 namespace odoless::campaign {
@@ -47,7 +48,7 @@ double known_share(const OccupancyMap& map, const ScanStream& stream, const Sent
     }
     const double angle_rad = stream.start_angle_rad + static_cast<double>(i) * stream.angle_step_rad;
     ++returns;
-    known += has_something(map_T_scan * Point2{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)}) ? 1 : 0;
+    known += has_something(map_T_scan * Point2{range_m * math::cos(angle_rad), range_m * math::sin(angle_rad)}) ? 1 : 0;
   }
   return returns == 0 ? 0.0 : static_cast<double>(known) / returns;
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/math/elementary.hpp"
 #include "tools/sim/ray_caster.hpp"
 
 namespace odoless::campaign {
@@ -17,7 +18,7 @@ ScanStream clean_stream(const Scenario& scenario, const Drive& drive) {
     const auto true_range_m = [&](double /*time_s*/, double angle_rad) {
       const double yaw_rad = world_T_scan.yaw_rad + angle_rad;
       return cast_ray_m(drive.world(), drive.world_s(true_s), {world_T_scan.x_m, world_T_scan.y_m},
-                        {std::cos(yaw_rad), std::sin(yaw_rad)});
+                        {math::cos(yaw_rad), math::sin(yaw_rad)});
     };
     const std::span<const double> ranges_m = lrf.sweep(true_range_m, true_s);
     stream.scans.push_back({.true_s = true_s,

@@ -9,6 +9,7 @@
 
 #include "core/base/check.hpp"
 #include "core/base/rng.hpp"
+#include "core/math/elementary.hpp"
 #include "tools/experiment/builtin_files.hpp"
 #include "tools/sim/path.hpp"
 #include "tools/sim/world_file.hpp"
@@ -115,14 +116,14 @@ double draw(Rng& chance, const Bounds& bounds) { return chance.uniform(bounds.mi
 double draw_severity(Rng& chance, const FaultSpec& spec) {
   switch (spec.kind) {
     case FaultKind::kJumping: {  // any power of ten, forwards or back
-      const double jump_s = std::exp(chance.uniform(std::log(spec.severity.min), std::log(spec.severity.max)));
+      const double jump_s = math::exp(chance.uniform(math::log(spec.severity.min), math::log(spec.severity.max)));
       return chance.below(2) == 0 ? jump_s : -jump_s;
     }
     case FaultKind::kScaled: {
       constexpr double kLeast = 0.03;
       double factor = 1.0;
       while (std::abs(factor - 1.0) < kLeast) {
-        factor = std::exp(chance.uniform(std::log(spec.severity.min), std::log(spec.severity.max)));
+        factor = math::exp(chance.uniform(math::log(spec.severity.min), math::log(spec.severity.max)));
       }
       return factor;
     }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 namespace {
 
@@ -56,14 +58,14 @@ double distance_to_segment_m(const Segment& segment, const Point2& point) {
   const double y_m = point.y_m - segment.a.y_m;
   const double share = (x_m * side_x_m + y_m * side_y_m) / (side_x_m * side_x_m + side_y_m * side_y_m);
   const double on_it = std::clamp(share, 0.0, 1.0);
-  return std::hypot(x_m - on_it * side_x_m, y_m - on_it * side_y_m);
+  return math::hypot(x_m - on_it * side_x_m, y_m - on_it * side_y_m);
 }
 
 double distance_to_slab_m(const Slab& slab, const Point3& point) {
   const Point2 p_slab = slab.world_T_middle.inverse() * plan(point);
   const double x_m = outside_m(std::abs(p_slab.x_m), 0.0, slab.width_m / 2.0);
   const double y_m = outside_m(std::abs(p_slab.y_m), 0.0, slab.depth_m / 2.0);
-  return std::hypot(x_m, y_m, point.z_m - slab.z_m);
+  return math::hypot(math::hypot(x_m, y_m), point.z_m - slab.z_m);
 }
 
 }  // namespace
@@ -87,7 +89,7 @@ double cast_ray_m(const Building& building, const Point3& origin, const Point3& 
 
 double cast_beam_m(const Building& building, const Pose3& world_T_laser, double angle_rad) {
   const Eigen::Vector3d direction =
-      world_T_laser.rotation * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
+      world_T_laser.rotation * Eigen::Vector3d(math::cos(angle_rad), math::sin(angle_rad), 0.0);
   const Eigen::Vector3d& origin_m = world_T_laser.origin_m;
   return cast_ray_m(building, {origin_m.x(), origin_m.y(), origin_m.z()},
                     {direction.x(), direction.y(), direction.z()});
@@ -96,13 +98,13 @@ double cast_beam_m(const Building& building, const Pose3& world_T_laser, double 
 double distance_m(const Building& building, const Point3& point) {
   double nearest_m = std::min(std::abs(point.z_m), std::abs(point.z_m - building.ceiling_m));
   for (const Panel& panel : building.panels) {
-    nearest_m = std::min(nearest_m, std::hypot(distance_to_segment_m(panel.plan, plan(point)),
-                                               outside_m(point.z_m, panel.bottom_m, panel.top_m)));
+    nearest_m = std::min(nearest_m, math::hypot(distance_to_segment_m(panel.plan, plan(point)),
+                                                outside_m(point.z_m, panel.bottom_m, panel.top_m)));
   }
   for (const Column& column : building.columns) {
-    const double from_axis_m = std::hypot(point.x_m - column.plan.centre.x_m, point.y_m - column.plan.centre.y_m);
-    nearest_m = std::min(
-        nearest_m, std::hypot(from_axis_m - column.plan.radius_m, outside_m(point.z_m, column.bottom_m, column.top_m)));
+    const double from_axis_m = math::hypot(point.x_m - column.plan.centre.x_m, point.y_m - column.plan.centre.y_m);
+    nearest_m = std::min(nearest_m, math::hypot(from_axis_m - column.plan.radius_m,
+                                                outside_m(point.z_m, column.bottom_m, column.top_m)));
   }
   for (const Slab& slab : building.slabs) {
     nearest_m = std::min(nearest_m, distance_to_slab_m(slab, point));

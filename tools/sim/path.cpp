@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/check.hpp"
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -20,7 +21,7 @@ struct Leg {
 Leg leg_between(const Point2& from, const Point2& to) {
   const double x_m = to.x_m - from.x_m;
   const double y_m = to.y_m - from.y_m;
-  return {std::hypot(x_m, y_m), std::atan2(y_m, x_m)};
+  return {math::hypot(x_m, y_m), math::atan2(y_m, x_m)};
 }
 
 /// The arc (radius 0: turn on the spot) from one leg into the next.
@@ -35,7 +36,7 @@ Corner corner_between(const Leg& before, const Leg& after, double wanted_radius_
   if (turn_rad == 0.0 || std::abs(turn_rad) > kSharpestArcRad) {
     return {.turn_rad = turn_rad};
   }
-  const double cut_per_radius = std::tan(std::abs(turn_rad) / 2.0);
+  const double cut_per_radius = math::tan(std::abs(turn_rad) / 2.0);
   const double cut_m = std::min(wanted_radius_m * cut_per_radius, std::min(before.length_m, after.length_m) / 2.0);
   return {turn_rad, cut_m / cut_per_radius, cut_m};
 }
@@ -43,8 +44,8 @@ Corner corner_between(const Leg& before, const Leg& after, double wanted_radius_
 /// start_T_robot after `time_s` with constant speed and turn rate.
 Pose2 moved(double speed_mps, double turn_rate_radps, double time_s) {
   const double turn_rad = turn_rate_radps * time_s;
-  const double chord_m = speed_mps * time_s * (turn_rad == 0.0 ? 1.0 : std::sin(turn_rad / 2.0) / (turn_rad / 2.0));
-  return {chord_m * std::cos(turn_rad / 2.0), chord_m * std::sin(turn_rad / 2.0), turn_rad};
+  const double chord_m = speed_mps * time_s * (turn_rad == 0.0 ? 1.0 : math::sin(turn_rad / 2.0) / (turn_rad / 2.0));
+  return {chord_m * math::cos(turn_rad / 2.0), chord_m * math::sin(turn_rad / 2.0), turn_rad};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/check.hpp"
+#include "core/math/elementary.hpp"
 #include "tools/sim/ray_caster.hpp"
 
 namespace odoless {
@@ -59,7 +60,8 @@ std::span<const double> SimulatedLrf::sweep(const World& world, const Path& path
       world_T_scan = path.at(beam_time_s);
     }
     const double yaw_rad = world_T_scan.yaw_rad + angle_rad;
-    return cast_ray_m(world, beam_time_s, {world_T_scan.x_m, world_T_scan.y_m}, {std::cos(yaw_rad), std::sin(yaw_rad)});
+    return cast_ray_m(world, beam_time_s, {world_T_scan.x_m, world_T_scan.y_m},
+                      {math::cos(yaw_rad), math::sin(yaw_rad)});
   };
   return sweep(true_range_m, time_s);
 }

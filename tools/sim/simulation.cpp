@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/math/elementary.hpp"
 #include "tools/sim/carmen_writer.hpp"
 #include "tools/sim/path.hpp"
 
@@ -12,7 +13,7 @@ namespace {
 
 std::string tum_line(double stamp_s, const Pose2& world_T_robot) {
   return fmt::format("{:.6f} {:.9f} {:.9f} 0 0 0 {:.9f} {:.9f}\n", stamp_s, world_T_robot.x_m, world_T_robot.y_m,
-                     std::sin(world_T_robot.yaw_rad / 2.0), std::cos(world_T_robot.yaw_rad / 2.0));
+                     math::sin(world_T_robot.yaw_rad / 2.0), math::cos(world_T_robot.yaw_rad / 2.0));
 }
 
 }  // namespace

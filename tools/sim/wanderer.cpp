@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/math/elementary.hpp"
 #include "tools/sim/ray_caster.hpp"
 
 namespace odoless {
@@ -31,8 +32,8 @@ double Wanderer::room_m(const Pose2& world_T_robot, double from_rad, double to_r
   double room_m = std::numeric_limits<double>::infinity();
   for (double bearing_rad = from_rad; bearing_rad < to_rad; bearing_rad += kLookStep_rad) {
     const double angle_rad = world_T_robot.yaw_rad + bearing_rad;
-    room_m = std::min(
-        room_m, cast_ray_m(world_, {world_T_robot.x_m, world_T_robot.y_m}, {std::cos(angle_rad), std::sin(angle_rad)}));
+    room_m = std::min(room_m, cast_ray_m(world_, {world_T_robot.x_m, world_T_robot.y_m},
+                                         {math::cos(angle_rad), math::sin(angle_rad)}));
   }
   return room_m;
 }
@@ -40,7 +41,7 @@ double Wanderer::room_m(const Pose2& world_T_robot, double from_rad, double to_r
 // A place beyond the walls sees no surface in some direction.
 bool Wanderer::is_indoors(const Pose2& world_T_robot) const {
   for (double angle_rad = -std::numbers::pi; angle_rad < std::numbers::pi; angle_rad += kLookStep_rad) {
-    const Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
+    const Point2 direction{math::cos(angle_rad), math::sin(angle_rad)};
     if (std::isinf(cast_ray_m(world_, {world_T_robot.x_m, world_T_robot.y_m}, direction))) {
       return false;
     }

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 namespace {
 
@@ -22,7 +24,7 @@ std::optional<Shares> shares_within(const Segment& wall, const Point2& centre, d
   const double ey_m = wall.b.y_m - wall.a.y_m;
   const double wx_m = centre.x_m - wall.a.x_m;
   const double wy_m = centre.y_m - wall.a.y_m;
-  const double length_m = std::hypot(ex_m, ey_m);
+  const double length_m = math::hypot(ex_m, ey_m);
   const double offset_m = (ex_m * wy_m - ey_m * wx_m) / length_m;
   if (!(std::abs(offset_m) < radius_m)) {
     return std::nullopt;
@@ -35,7 +37,7 @@ std::optional<Shares> shares_within(const Segment& wall, const Point2& centre, d
   return Shares{middle - half, middle + half};
 }
 
-double distance_m(const Point2& a, const Point2& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
+double distance_m(const Point2& a, const Point2& b) { return math::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
 }  // namespace
 

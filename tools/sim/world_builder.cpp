@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
+#include "core/math/elementary.hpp"
 #include "tools/command/error.hpp"
 #include "tools/sim/ray_caster.hpp"
 
@@ -14,7 +14,7 @@ namespace odoless {
 void WorldBuilder::add_waypoint(const Point2& position) {
   if (!world_.waypoints.empty()) {
     const Point2& last = world_.waypoints.back().position;
-    if (std::hypot(position.x_m - last.x_m, position.y_m - last.y_m) < 1e-3) {
+    if (math::hypot(position.x_m - last.x_m, position.y_m - last.y_m) < 1e-3) {
       throw DataError(name_, line_,
                       fmt::format("way point {} {} is where the one before it is", position.x_m, position.y_m),
                       "successive way points at least 1 mm apart");
@@ -91,7 +91,7 @@ void WorldBuilder::check_path() const {
   for (std::size_t i = 1; i < world_.waypoints.size(); ++i) {
     const Point2& from = world_.waypoints[i - 1].position;
     const Point2& to = world_.waypoints[i].position;
-    const double length_m = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
+    const double length_m = math::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
     const Point2 direction{(to.x_m - from.x_m) / length_m, (to.y_m - from.y_m) / length_m};
     const double free_m = cast_ray_m(world_, from, direction);
     if (free_m <= length_m) {
