@@ -1,7 +1,7 @@
 # Run by CPack on what goes into packages. A library that others link needs no debug symbols; programs have theirs in packages.
 file(GLOB_RECURSE libraries ${CPACK_TEMPORARY_DIRECTORY}/*.a)
 foreach(library IN LISTS libraries)
-  execute_process(COMMAND strip --strip-debug --enable-deterministic-archives ${library} COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${CPACK_ODOLESS_STRIP} --strip-debug --enable-deterministic-archives ${library} COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
 # With times of the build, no package would have the same bytes twice.
 if(DEFINED ENV{SOURCE_DATE_EPOCH})

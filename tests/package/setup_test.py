@@ -41,6 +41,11 @@ class SetupTest(unittest.TestCase):
         self.assertIn("libgtest-dev", test)
         self.assertNotIn("libgtest-dev", build)
 
+    def test_a_cross_build_needs_the_libraries_of_the_other_architecture(self):
+        native = subprocess.run(["dpkg", "--print-architecture"], capture_output=True, text=True, check=True).stdout.strip()
+        self.assertIn("libfmt-dev:arm64", self.missing("arm64", ("libfmt-dev", "installed", native)))
+        self.assertNotIn("libfmt-dev:arm64", self.missing("arm64", ("libfmt-dev", "installed", "arm64")))
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1], verbosity=2)
