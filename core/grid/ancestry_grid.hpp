@@ -33,7 +33,7 @@ struct AncestryGridParams {
   }
 };
 
-/// The maps of all particles in one grid, without copies of what they share [eliazar2003dpslam].
+/// The maps of all particles in one grid, without copies of what they share [eliazar2003dpslam; method 6].
 ///
 /// The grid is cut into tiles of 16 x 16 cells. A tile holds one version for each node of the particles' ancestry that
 /// observed something in it; a version is cumulative: it begins as a copy of the nearest ancestor's and goes on from

@@ -101,7 +101,7 @@ class LaserOdometry {
   /// Constant velocity; what may be off of it.
   [[nodiscard]] Estimate predict(double period_s) const;
   [[nodiscard]] MotionReach expected_reach(double period_s) const;
-  /// Kalman's update of the prediction by a match. [kalman1960]
+  /// Kalman's update of the prediction by a match. [kalman1960; method 4]
   [[nodiscard]] Estimate corrected(const Estimate& prediction, const Pose2& odom_T_key, const MatchResult& match);
   /// Since the last scan that was no repetition; of a repetition since the last scan.
   [[nodiscard]] double unobserved_period_s(const ScanFrame& scan, double period_s);

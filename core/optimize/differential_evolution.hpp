@@ -14,13 +14,13 @@
 
 namespace odoless {
 
-/// How a mutant is made from the population [storn1997de].
+/// How a mutant is made from the population [storn1997de; method 3].
 enum class DeStrategy : std::uint8_t {
   kRand1Bin,           ///< a random member plus one difference
   kBest1Bin,           ///< the best member plus one difference
   kCurrentToBest1Bin,  ///< the member, moved towards the best, plus one difference
   kCurrentToRing1Bin,  ///< the member, moved towards the best of its ring neighbours, plus one difference
-  kJde,                ///< rand/1/bin whose factor and rate adapt per member [brest2006jde]
+  kJde,                ///< rand/1/bin whose factor and rate adapt per member [brest2006jde; method 3]
 };
 inline constexpr const char* kDeStrategyNames[] = {"rand-1-bin", "best-1-bin", "current-to-best-1-bin",
                                                    "current-to-ring-1-bin", "jde"};
@@ -55,7 +55,7 @@ struct DeMember {
 /// Which bound ended a search.
 enum class StopReason : std::uint8_t { kBudget, kDeadline };
 
-/// Differential Evolution in a box, three dimensions, maximising [storn1997de].
+/// Differential Evolution in a box, three dimensions, maximising [storn1997de; method 3].
 ///
 /// Each trial that is not worse replaces its parent at once. Memory is fixed at construction.
 /// Thread: owned by one thread. Real time: no allocation; exactly `evaluations` calls of the score, fewer at a deadline

@@ -27,7 +27,7 @@ struct BeamModelParams {
   }
 };
 
-/// How likely a beam is in a map of opacities, and what it adds to one [eliazar2004dpslam2].
+/// How likely a beam is in a map of opacities, and what it adds to one [eliazar2004dpslam2; method 6].
 ///
 /// In a cell with mean travel rho = distance / hits a beam stops within x with probability 1 - exp(-x / rho). The
 /// likelihood of a range z sums, over the cells on the beam's way, P(reach) P(stop in the cell) exp(-(z - m)^2 / 2

@@ -44,10 +44,10 @@ struct ConfidenceParams {
   }
 };
 
-/// Probability that the pose is right, as a hidden Markov model [rabiner1989hmm] of three states: the pose is right; it
-/// drifted beyond what OK allows, while tracking goes on, which the filter mends by itself when a loop closes; or it
-/// jumped, which only relocalisation mends. A step that is not certain to be right leads to the third state; each scan
-/// that is compared with the map is evidence for the first or against it.
+/// Probability that the pose is right, as a hidden Markov model [rabiner1989hmm; method 8] of three states: the pose is
+/// right; it drifted beyond what OK allows, while tracking goes on, which the filter mends by itself when a loop
+/// closes; or it jumped, which only relocalisation mends. A step that is not certain to be right leads to the third
+/// state; each scan that is compared with the map is evidence for the first or against it.
 ///
 /// Thread: owned by one thread. Real time: no allocation, constant time.
 class PoseConfidence {

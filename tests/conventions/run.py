@@ -7,6 +7,7 @@ import arrows
 import elementary
 import exceptions
 import format as formatting
+import method
 import paths
 import readmes
 import sizes
@@ -18,6 +19,7 @@ CHECKS = {
     "elementary": elementary.problems,
     "exceptions": exceptions.problems,
     "format": formatting.problems,
+    "method": method.problems,
     "paths": paths.problems,
     "readmes": readmes.problems,
     "sizes": sizes.problems,

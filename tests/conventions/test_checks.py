@@ -9,6 +9,7 @@ import arrows
 import elementary
 import exceptions
 import format as formatting
+import method
 import paths
 import readmes
 import sizes
@@ -145,6 +146,29 @@ class Readmes(unittest.TestCase):
         files = {"README.md": "x", "rt/README.md": "x", "rt/a.cpp": "", "core/base/a.cpp": "", ".ci/run": ""}
         self.assertEqual(readmes.problems(files), ["core/README.md: missing"])
         self.assertEqual(readmes.problems(files | {"core/README.md": "what it is"}), [])
+
+
+class Method(unittest.TestCase):
+    PAPER = "## 1. NDT\nFiles: `ndt/ndt.hpp`\n\n## 2. Bibliography\n- **[biber2003ndt]** P. Biber.\n"
+
+    def found(self, header, paper=PAPER, path="core/ndt/ndt.hpp"):
+        return method.problems({method.PAPER: paper, path: header})
+
+    def test_lets_a_cited_source_pass_that_names_its_section(self):
+        self.assertEqual(self.found("// [biber2003ndt, section III;\n/// method 1]"), [])
+
+    def test_refuses_a_citation_that_leads_nowhere(self):
+        self.assertIn("[magnusson2009ndt] is not in the bibliography", self.found("// [biber2003ndt, magnusson2009ndt; method 1]")[0])
+        self.assertIn("core/ndt/ndt.hpp:2: says no section", self.found("\n// [biber2003ndt]")[0])
+        self.assertIn("section 2 of core/method.md does not name this file", self.found("// [biber2003ndt; method 2]")[0])
+
+    def test_refuses_a_section_without_its_file_and_a_folder_without_a_section(self):
+        found = self.found("// [biber2003ndt; method 1]", path="core/grid/cell.hpp")
+        self.assertIn("core/method.md: section 1 names core/ndt/ndt.hpp, which does not exist", found)
+        self.assertIn("core/method.md: no section names a file of core/grid", found)
+
+    def test_refuses_an_entry_that_nobody_cites(self):
+        self.assertEqual(self.found("int a;"), ["core/method.md: [biber2003ndt] is cited nowhere"])
 
 
 class Exceptions(unittest.TestCase):
