@@ -27,9 +27,9 @@ struct NdtParams {
                 "Half the side of the square that the grids cover; farther points are ignored.");
     visit.value("points_min", self.points_min, Range{3, 100}, "Fewest points for a cell to have a distribution.");
     visit.value("sigma_min_m", self.sigma_min_m, Range{0.001, 1.0},
-                "Smallest deviation of a cell's distribution: the sensor's own noise.");
+                "Smallest standard deviation of a cell's distribution: the noise of the sensor.");
     visit.value("sigma_ratio_min", self.sigma_ratio_min, Range{0.0, 1.0},
-                "Smallest ratio of a cell's two deviations (a wall is thin, not flat).");
+                "Smallest ratio of a cell's two standard deviations, so that a wall is thin but not a line.");
   }
 };
 

@@ -34,13 +34,14 @@ struct DeParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.value("population", self.population, Range{8, 1000}, "Members of the population (N).");
-    visit.choice("strategy", self.strategy, std::span<const char* const>(kDeStrategyNames), "How a mutant is made.");
+    visit.value("population", self.population, Range{8, 1000}, "Size of the population (N).");
+    visit.choice("strategy", self.strategy, std::span<const char* const>(kDeStrategyNames),
+                 "Strategy by which mutants are made.");
     visit.value("factor", self.factor, Range{0.0, 2.0}, "Scale of the difference of two members (F).");
     visit.value("crossover_rate", self.crossover_rate, Range{0.0, 1.0},
-                "Chance of a coordinate to come from the mutant (CR).");
+                "Probability that a coordinate comes from the mutant (CR).");
     visit.value("ring_neighbours", self.ring_neighbours, Range{1, 100},
-                "Neighbours on either side for the ring strategy.");
+                "Number of ring neighbours on either side, for current-to-ring-1-bin.");
   }
 };
 

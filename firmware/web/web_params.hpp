@@ -24,7 +24,7 @@ struct WebParams {
   static void describe(Self& self, Visitor& visit) {
     visit.text("listen", self.listen,
                "ADDRESS:PORT of the page, as in 127.0.0.1:8080 for this host alone or 0.0.0.0:8080 for all; empty: no "
-               "page. Whoever reaches it sees everything and can change nothing.");
+               "page. Everyone who can reach it can see everything and change nothing.");
     visit.text("name", self.name,
                "Name by which browsers may also call this host; its addresses, localhost and its own name, with and "
                "without .local, hold in any case.");

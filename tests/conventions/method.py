@@ -49,7 +49,7 @@ def wrong_citations(path, line, cited, paper):
 def problems(files):
     paper = files.get(PAPER, "")
     found = []
-    used = set(KEY.findall(" ".join(cited for _, cited in citations(paper))))
+    used = set(KEY.findall(" ".join(cited for _, cited in citations(ENTRY.sub("", paper)))))
     for path, text in sources_without_the_paper(files).items():
         if path.startswith("tests/conventions/"):
             continue

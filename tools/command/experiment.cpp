@@ -86,7 +86,7 @@ void add_experiment(CLI::App& app) {
   options->campaign.sources.data = default_data();
   options->campaign.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   CLI::App* const command =
-      app.add_subcommand("experiment", "Repeat an experiment of the seed, and say whether its statements hold");
+      app.add_subcommand("experiment", "Repeat an experiment of the dissertation, and say whether its statements hold");
   command->add_option("NAME", options->name, "Experiment, or all")
       ->required()
       ->check(CLI::IsMember(names_of(experiments)));

@@ -103,7 +103,8 @@ Findings conclude_recorded(const Evidence& evidence) {
   Findings findings;
   for (const Run& run : evidence.runs()) {
     CloudOutput output = read_cloud(evidence.folder(run.name));
-    findings.figures.push_back(whole_figure("recorded-" + run.name, "Not in the seed: " + run.scene.log, output));
+    findings.figures.push_back(
+        whole_figure("recorded-" + run.name, "Not in the dissertation: " + run.scene.log, output));
     findings.claims.push_back(
         most_scans_are_mapped("-", run.scene.log + ": our aim: most scans of a recorded tilt log are mapped", output));
     output.sample.name = run.name;
