@@ -4,6 +4,7 @@ import pathlib
 import sys
 
 import arrows
+import documents
 import elementary
 import exceptions
 import format as formatting
@@ -16,6 +17,7 @@ import units
 
 CHECKS = {
     "arrows": arrows.problems,
+    "documents": documents.problems,
     "elementary": elementary.problems,
     "exceptions": exceptions.problems,
     "format": formatting.problems,

@@ -6,6 +6,7 @@ import tempfile
 import unittest
 
 import arrows
+import documents
 import elementary
 import exceptions
 import format as formatting
@@ -169,6 +170,32 @@ class Method(unittest.TestCase):
 
     def test_refuses_an_entry_that_nobody_cites(self):
         self.assertEqual(self.found("int a;"), ["core/method.md: [biber2003ndt] is cited nowhere"])
+
+
+class Documents(unittest.TestCase):
+    def test_refuses_a_long_readme_of_a_folder(self):
+        self.assertEqual(documents.problems({"rt/README.md": "a\n" * 80, "README.md": "a\n" * 200}, {}), [])
+        self.assertIn("rt/README.md: 81 lines; at most 80", documents.problems({"rt/README.md": "a\n" * 81}, {})[0])
+
+    def test_refuses_decisions_without_number_or_date(self):
+        good = "# D\n\n- **D1** (2026-01-02) So.\n  It is.\n- **D2** (2026-01-03) Or so.\n"
+        self.assertEqual(documents.problems({"rt/DECISIONS.md": good}, {}), [])
+        for bad in (good.replace("D2", "D3"), good.replace(" (2026-01-03)", ""), good + "- And so on.\n"):
+            self.assertIn("numbered from 1 without a gap", documents.problems({"rt/DECISIONS.md": bad}, {})[0])
+
+    def test_refuses_words_in_documents_and_texts_for_users_alone(self):
+        text = 'say("the pose is in doubt");\n'
+        for path in ("rt/a.cpp", "core/README.md"):
+            self.assertIn(f"{path}:1: /", documents.problems({path: text}, {})[0])
+        for path, other in (("tests/rt/a.cpp", text), ("rt/a.cpp", "// in doubt\nint doubt;\n"), ("rt/a.cpp", 'key("doubt")')):
+            self.assertEqual(documents.problems({path: other}, {}), [])
+
+    def test_lets_no_more_and_no_fewer_uses_pass_than_are_known(self):
+        text, word = "torn, and torn\n", r"\btorn\b"
+        self.assertEqual(documents.problems({"a.md": text}, {("a.md", word): 2}), [])
+        self.assertIn("2 times (lines 1, 1), 1 known", documents.problems({"a.md": text}, {("a.md", word): 1})[0])
+        self.assertIn("2 times now and not 3", documents.problems({"a.md": text}, {("a.md", word): 3})[0])
+        self.assertEqual(documents.in_use("2 a.md \\btorn\\b\n"), {("a.md", word): 2})
 
 
 class Exceptions(unittest.TestCase):

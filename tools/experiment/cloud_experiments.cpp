@@ -75,7 +75,7 @@ Findings conclude_building(const Evidence& evidence) {
   findings.tables = {output.sample};
   findings.claims = {projects_onto_surfaces("5.34",
                                             "the trajectory of 2D DP-SLAM can be used to project the 3D data (our aim: "
-                                            "within 20 mm in the middle, 95 % within 60 mm)",
+                                            "median error 20 mm, 95th percentile 60 mm)",
                                             output),
                      floor_is_flat("5.34", output)};
   return findings;

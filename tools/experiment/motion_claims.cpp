@@ -85,10 +85,11 @@ Claim spreads_cover_errors(std::span<const DisplacementError> errors) {
   const SpreadLaw turn = fit_spread(turned_rad, turn_errors_rad);
   const MotionModelParams seed;
   return {"5.19", "spreads of 0.02 m + |dy| / 10 and 0.5 deg + |dtheta| / 10 describe the errors",
-          fmt::format("fitted deviations {:.1f} mm + {:.4f} |dy| and {:.3f} deg + {:.4f} |dtheta|; the dissertation's "
-                      "spreads are 3 "
-                      "deviations",
-                      forward.floor * 1e3, forward.ratio, to_deg(turn.floor), turn.ratio),
+          fmt::format(
+              "fitted standard deviations {:.1f} mm + {:.4f} |dy| and {:.3f} deg + {:.4f} |dtheta|; the dissertation's "
+              "spreads are 3 "
+              "deviations",
+              forward.floor * 1e3, forward.ratio, to_deg(turn.floor), turn.ratio),
           is_covered(forward, seed.translation_spread_m, seed.translation_spread_ratio, longest_m) &&
               is_covered(turn, seed.rotation_spread_rad, seed.rotation_spread_ratio, widest_rad)};
 }
