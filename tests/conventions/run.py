@@ -3,6 +3,7 @@
 import pathlib
 import sys
 
+import architecture
 import arrows
 import documents
 import elementary
@@ -16,6 +17,7 @@ import sources
 import units
 
 CHECKS = {
+    "architecture": architecture.problems,
     "arrows": arrows.problems,
     "documents": documents.problems,
     "elementary": elementary.problems,
@@ -32,7 +34,7 @@ CHECKS = {
 def main():
     name, root = sys.argv[1], pathlib.Path(sys.argv[2])
     files = sources.read_all(root)
-    found = CHECKS[name](files, root) if name == "format" else CHECKS[name](files)
+    found = CHECKS[name](files, root) if name in ("architecture", "format") else CHECKS[name](files)
     print("\n".join(found) if found else f"{name}: {len(files)} files are right")
     return 1 if found else 0
 

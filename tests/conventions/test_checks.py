@@ -5,6 +5,7 @@ import subprocess
 import tempfile
 import unittest
 
+import architecture
 import arrows
 import documents
 import elementary
@@ -16,6 +17,26 @@ import readmes
 import sizes
 import sources
 import units
+
+
+class Architecture(unittest.TestCase):
+    QUESTIONS = "## Ten questions\n" + "".join(f"{i}. Who?\n   - `rt/a.cpp`: `f`\n" for i in range(1, 11))
+    FILES = {"rt/a.cpp": "int f() { return 1; }", architecture.DOCUMENT: QUESTIONS}
+
+    def found(self, document):
+        return architecture.problems(self.FILES | {architecture.DOCUMENT: document})
+
+    def test_lets_what_exists_pass(self):
+        self.assertEqual(self.found(self.QUESTIONS), [])
+
+    def test_refuses_names_of_nothing(self):
+        self.assertIn("firmware/architecture.md:1: rt/b.cpp does not exist", self.found("`rt/b.cpp`\n" + self.QUESTIONS))
+        self.assertIn("firmware/architecture.md:1: rt/a.cpp has no function g", self.found("`rt/a.cpp`: `g`\n" + self.QUESTIONS))
+
+    def test_refuses_long_walks_and_missing_questions(self):
+        hop = "   - `rt/a.cpp`: `f`\n"
+        self.assertIn("question 10 takes 4 hops", self.found(self.QUESTIONS + 3 * hop)[0])
+        self.assertIn("9 questions; must be ten", self.found(self.QUESTIONS.replace("10. Who?\n" + hop, ""))[0])
 
 
 class Arrows(unittest.TestCase):
