@@ -21,8 +21,8 @@ target_link_libraries(consumer PRIVATE odoless::{component})
 """
 MAINS = {
     "rt": '#include "rt/clock.hpp"\nint main() { return odoless::MonotonicClock().now_ns() > 0 ? 0 : 1; }\n',
-    "drivers": '#include "drivers/lrf/lrf_params.hpp"\n'
-               "int main() { return odoless::LrfParams{}.device.empty() ? 1 : 0; }\n",
+    "drivers": '#include "drivers/lrf/make_lrf_session.hpp"\n'
+               "int main() { return odoless::make_lrf_session({}, 1081)->ready() ? 1 : 0; }\n",
 }
 
 
@@ -70,6 +70,13 @@ class InstalledTest(unittest.TestCase):
         outcome = self.configure(self.consumer("firmware", ""))
         self.assertNotEqual(outcome.returncode, 0)
         self.assertIn("odoless has no component firmware; it has core, rt and", outcome.stderr)
+
+    def test_without_build_testing_there_are_no_tests(self):
+        build = os.path.join(self.folder, "no_tests")
+        self.succeed("cmake", "-G", "Ninja", "-S", os.path.join(EXAMPLES, "../.."), "-B", build, "-DODOLESS_DEVELOP=ON", "-DBUILD_TESTING=OFF")
+        made = self.succeed("cmake", "--build", build, "--target", "help")
+        self.assertIn("odolessd", made)
+        self.assertNotIn("test_core", made)
 
     def test_an_example_is_built_away_from_the_sources(self):
         source = os.path.join(self.folder, "away/tools/examples")

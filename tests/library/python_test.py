@@ -12,7 +12,10 @@ import numpy
 import drive
 
 SCANS = 100
-GEOMETRY = {"start_angle_rad": drive.START_RAD, "angle_step_rad": drive.STEP_RAD}
+
+
+def laser():
+    return odoless.Laser(drive.START_RAD, drive.STEP_RAD)
 
 
 class PythonTest(unittest.TestCase):
@@ -22,14 +25,14 @@ class PythonTest(unittest.TestCase):
         cls.stamps, cls.ranges = numpy.array(stamps), numpy.array(ranges)
 
     def test_a_drive_is_followed(self):
-        final, online = odoless.replay(self.stamps, self.ranges, **GEOMETRY)
+        final, online = odoless.replay(self.stamps, self.ranges, laser())
         for found in (final, online):
             self.assertEqual(found.shape, (SCANS, 3))
             self.assertLess(max(drive.errors_m(found[:, :2], SCANS)), 0.05)
 
     def test_the_same_arrays_give_the_same_numbers(self):
-        once, _ = odoless.replay(self.stamps[:30], self.ranges[:30].astype("float32"), seed=7, **GEOMETRY)
-        again, _ = odoless.replay(self.stamps[:30], self.ranges[:30], seed=7, **GEOMETRY)
+        once, _ = odoless.replay(self.stamps[:30], self.ranges[:30].astype("float32"), laser(), seed=7)
+        again, _ = odoless.replay(self.stamps[:30], self.ranges[:30], laser(), seed=7)
         numpy.testing.assert_array_equal(once, again)
 
     def test_wrong_arrays_are_refused(self):
@@ -40,12 +43,12 @@ class PythonTest(unittest.TestCase):
             (self.stamps[:1], numpy.ones((1, 20000)), "at most 16384 beams"),
         ):
             with self.assertRaisesRegex(ValueError, what):
-                odoless.replay(stamps, ranges, **GEOMETRY)
+                odoless.replay(stamps, ranges, laser())
         with self.assertRaisesRegex(ValueError, "scan refused"):
-            odoless.replay(self.stamps[:1], self.ranges[:1], start_angle_rad=0.0, angle_step_rad=0.0)
+            odoless.replay(self.stamps[:1], self.ranges[:1], odoless.Laser(0.0, 0.0))
 
     def test_no_scans_give_no_poses(self):
-        final, online = odoless.replay(numpy.empty(0), numpy.empty((0, 180)), **GEOMETRY)
+        final, online = odoless.replay(numpy.empty(0), numpy.empty((0, 180)), laser())
         self.assertEqual((final.shape, online.shape), ((0, 3), (0, 3)))
 
 

@@ -22,7 +22,7 @@ using Ranges = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using Poses = py::array_t<double>;
 
 /// What all scans have in common.
-struct Geometry {
+struct Laser {
   double start_angle_rad = 0.0;
   double angle_step_rad = 0.0;
   double range_max_m = 30.0;
@@ -38,13 +38,13 @@ struct Geometry {
   }
 };
 
-void assign(ScanFrame& frame, const Geometry& geometry, double stamp_s, std::span<const float> ranges_m) {
+void assign(ScanFrame& frame, const Laser& laser, double stamp_s, std::span<const float> ranges_m) {
   if (!std::isfinite(stamp_s) || std::abs(stamp_s) > 9e9) {
     throw py::value_error("a stamp must be a number of seconds within +-9e9");
   }
   const Errc error = frame.assign({.stamp_ns = std::llround(1e9 * stamp_s),
-                                   .start_angle_rad = geometry.start_angle_rad,
-                                   .angle_step_rad = geometry.angle_step_rad,
+                                   .start_angle_rad = laser.start_angle_rad,
+                                   .angle_step_rad = laser.angle_step_rad,
                                    .ranges_m = ranges_m});
   if (error != Errc::kOk) {
     throw py::value_error(std::string("scan refused: ") + describe(error));
@@ -101,16 +101,16 @@ class Replay {
 };
 
 py::tuple replay(const py::array_t<double, py::array::c_style | py::array::forcecast>& stamps_s, const Ranges& ranges_m,
-                 const Geometry& geometry, std::uint64_t seed) {
+                 const Laser& laser, std::uint64_t seed) {
   if (ranges_m.ndim() != 2 || stamps_s.ndim() != 1 || stamps_s.shape(0) != ranges_m.shape(0)) {
     throw py::value_error("ranges_m must have a row per scan, and stamps_s one stamp per row");
   }
   const auto beams = static_cast<std::size_t>(ranges_m.shape(1));
-  const ScanParams params = geometry.params(ranges_m.shape(1));
+  const ScanParams params = laser.params(ranges_m.shape(1));
   ScanFrame frame(params);
   Replay run(params, seed);
   for (py::ssize_t i = 0; i < stamps_s.shape(0); ++i) {
-    assign(frame, geometry, stamps_s.data()[i], {ranges_m.data(i, 0), beams});
+    assign(frame, laser, stamps_s.data()[i], {ranges_m.data(i, 0), beams});
     const py::gil_scoped_release free;
     run.add(frame);
   }
@@ -123,18 +123,18 @@ py::tuple replay(const py::array_t<double, py::array::c_style | py::array::force
 
 PYBIND11_MODULE(odoless, module) {
   module.doc() = "SLAM with one laser range finder and no odometry.";
+  py::class_<odoless::Laser>(module, "Laser",
+                             "What all scans of a laser have in common; 0 rad is the front, positive to the left.")
+      .def(py::init([](double start_angle_rad, double angle_step_rad, double range_max_m) {
+             return odoless::Laser{start_angle_rad, angle_step_rad, range_max_m};
+           }),
+           py::arg("start_angle_rad"), py::arg("angle_step_rad"), py::arg("range_max_m") = 30.0);
   module.def(
-      "replay",
-      [](const py::array_t<double, py::array::c_style | py::array::forcecast>& stamps_s,
-         const odoless::Ranges& ranges_m, double start_angle_rad, double angle_step_rad, double range_max_m,
-         std::uint64_t seed) {
-        return odoless::replay(stamps_s, ranges_m, {start_angle_rad, angle_step_rad, range_max_m}, seed);
-      },
-      py::arg("stamps_s"), py::arg("ranges_m"), py::kw_only(), py::arg("start_angle_rad"), py::arg("angle_step_rad"),
-      py::arg("range_max_m") = 30.0, py::arg("seed") = 1,
+      "replay", &odoless::replay, py::arg("stamps_s"), py::arg("ranges_m"), py::arg("laser"), py::arg("seed") = 1,
       "Trajectory of an array of scans, a row per scan. Returns (final, online), each with rows (x_m, y_m, yaw_rad) "
       "in\n"
       "the map frame, which begins at the first scan: final is smoothed with all loop closures, online is as known at\n"
-      "the time. Ranges that are not finite, 0 or less say nothing, or no return where they are infinite. The same\n"
-      "scans and seed give the same numbers.");
+      "the time. Ranges that are not numbers, 0 or less are not known; infinite ones are no return. The same scans "
+      "and\n"
+      "random seed give the same numbers.");
 }
