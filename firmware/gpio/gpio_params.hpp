@@ -54,8 +54,8 @@ struct GpioParams {
     visit.text("led_line", self.led_line, "Output of the status light; empty: none.");
     visit.choice("led_level", self.led_level, kPinLevelNames, "Level at which the light is on.");
     visit.value("priority", self.priority, Range{0, 98},
-                "Priority (SCHED_FIFO) of the thread that serves these lines; 0: an ordinary thread. Held up for 60 ms "
-                "it is a stop, where there is a stop_line.");
+                "Priority (SCHED_FIFO) of the thread that serves these lines; 0: an ordinary thread. A delay of 60 ms "
+                "counts as an emergency stop where there is a stop_line.");
   }
 };
 

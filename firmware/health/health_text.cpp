@@ -12,10 +12,10 @@ constexpr std::array<const char*, 24> kReasonTexts{"no scans",
                                                    "the laser cannot be opened",
                                                    "scans are refused",
                                                    "the laser sees nothing",
-                                                   "the same scan again and again",
-                                                   "scans do not fit to each other",
-                                                   "the scene leaves one direction open",
-                                                   "scans do not fit to the map",
+                                                   "the laser repeats the same scan",
+                                                   "scans do not match each other",
+                                                   "degenerate scene: one direction is unconstrained",
+                                                   "scans do not match the map",
                                                    "scans or records are dropped, or updates cut short",
                                                    "a deadline was missed",
                                                    "real-time scheduling or locked memory is refused",
@@ -31,7 +31,7 @@ constexpr std::array<const char*, 24> kReasonTexts{"no scans",
                                                    "the laser is not level",
                                                    "the 3D map is full",
                                                    "answers of the tilt servo are missing or wrong",
-                                                   "motions of the matcher elsewhere are refused"};
+                                                   "motions received over LCM are refused"};
 
 }  // namespace
 

@@ -27,6 +27,7 @@ WORDS = {
     r"\bin the middle and\b": "median",
     r"\d %? ?within \d": "95th percentile",
     r"\bsecond peak\b": "second hypothesis",
+    r"\bleaves? (?:one|a) direction open\b": "degenerate scene, unconstrained direction",
     r"\bpoor(?:ly)?\b": "rejected, ambiguous",
     r"\bclimbs?\b": "refine, maximise",
 }
