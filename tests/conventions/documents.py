@@ -94,8 +94,16 @@ def problems(files, allowed=None):
     return found + list(wrong_words(files, in_use(IN_USE.read_text(encoding="utf-8")) if allowed is None else allowed))
 
 
-if __name__ == "__main__":  # what words_in_use.txt has to say now
+if __name__ == "__main__":  # what words_in_use.txt has to say now; with --texts: all that users of the programs read
+    import sys
+
     import sources
 
-    for (used_path, used_word), used_lines in sorted(uses(sources.read_all(".")).items()):
-        print(len(used_lines), used_path, used_word)
+    everything = sources.read_all(".")
+    if sys.argv[1:] == ["--texts"]:
+        for source, code in everything.items():
+            if not source.endswith(".md"):
+                print(*(f"{source}:{line}: {text}" for line, text in texts_for_users(source, code)), sep="\n", end="")
+    else:
+        for (used_path, used_word), used_lines in sorted(uses(everything).items()):
+            print(len(used_lines), used_path, used_word)
