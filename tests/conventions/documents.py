@@ -103,7 +103,8 @@ if __name__ == "__main__":  # what words_in_use.txt has to say now; with --texts
     if sys.argv[1:] == ["--texts"]:
         for source, code in everything.items():
             if not source.endswith(".md"):
-                print(*(f"{source}:{line}: {text}" for line, text in texts_for_users(source, code)), sep="\n", end="")
+                for where, sentence in texts_for_users(source, code):
+                    print(f"{source}:{where}: {sentence}")
     else:
         for (used_path, used_word), used_lines in sorted(uses(everything).items()):
             print(len(used_lines), used_path, used_word)

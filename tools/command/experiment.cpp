@@ -95,7 +95,8 @@ void add_experiment(CLI::App& app) {
       ->required();
   command->add_option("--data", options->campaign.sources.data, "Folder of recorded logs")->capture_default_str();
   command
-      ->add_option("--seed", options->campaign.sources.seed, "Seed of noise and method: the same gives the same bytes")
+      ->add_option("--seed", options->campaign.sources.seed,
+                   "Random seed of noise and method: the same seed gives the same bytes")
       ->capture_default_str();
   command->add_option("--jobs", options->campaign.threads, "Threads")
       ->check(CLI::Range(1, 1024))
