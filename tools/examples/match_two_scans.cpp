@@ -15,7 +15,7 @@ int main() {
   std::string line;
   for (ScanFrame* scan : {&first, &second}) {
     if (!std::getline(std::cin, line) || !ScanLine(line).write_to(*scan)) {
-      std::fprintf(stderr, "match_two_scans: needs two lines: scan,STAMP_S,START_RAD,STEP_RAD,,RANGE_M,...\n");
+      std::cerr << "match_two_scans: needs two lines: scan,STAMP_S,START_RAD,STEP_RAD,,RANGE_M,...\n";
       return 65;
     }
   }
@@ -25,13 +25,13 @@ int main() {
   MatchReference reference(params.reference, params.points_max);
   const PlacedScan placed{&first, {}};
   if (reference.rebuild({&placed, 1}) != Errc::kOk) {
-    std::fprintf(stderr, "match_two_scans: the first scan has too few returns\n");
+    std::cerr << "match_two_scans: the first scan has too few returns\n";
     return 65;
   }
   Rng rng(1);
   const Result<MatchResult> match = matcher.match(reference, second, Expectation{}, Deadline{}, rng);
   if (!match.ok()) {
-    std::fprintf(stderr, "match_two_scans: %s\n", describe(match.error()));
+    std::cerr << "match_two_scans: " << describe(match.error()) << "\n";
     return 65;
   }
   const MatchResult& found = match.value();

@@ -26,7 +26,7 @@ int main() {
   std::string line;
   for (int number = 1; std::getline(std::cin, line); ++number) {
     if (!ScanLine(line).write_to(scan)) {
-      std::fprintf(stderr, "line %d: no scan, left out\n", number);
+      std::cerr << "line " << number << ": no scan, left out\n";
       continue;
     }
     const Motion motion = odometry.process(scan, Deadline{}, rng);
