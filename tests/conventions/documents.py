@@ -4,6 +4,7 @@ A word here stands for a thing that the field has a word for. Where one is still
 numbers may only go down."""
 
 import pathlib
+import posixpath
 import re
 
 LINES_MAX = 80
@@ -82,6 +83,13 @@ def wrong_numbers(path, text):
         yield f"{path}: decisions must be items '- **D1** (YYYY-MM-DD) ...', numbered from 1 without a gap; found {numbers} in {items} items"
 
 
+def dead_links(path, text, files):
+    for match in re.finditer(r"\]\((?!https?:)([^)#\s]+)(?:#[^)]*)?\)", text):
+        target = posixpath.normpath(posixpath.join(posixpath.dirname(path), match[1]))
+        if not any(name == target or name.startswith(target + "/") for name in files) and not pathlib.Path(target).suffix == ".png":
+            yield f"{path}:{text.count(chr(10), 0, match.start()) + 1}: {match[1]} leads nowhere"
+
+
 def problems(files, allowed=None):
     found = []
     for path, text in files.items():
@@ -89,6 +97,8 @@ def problems(files, allowed=None):
         lines = len(text.splitlines())
         if name == "README.md" and "/" in path and lines > LINES_MAX:
             found.append(f"{path}: {lines} lines; at most {LINES_MAX}: move what few need to a page of its own")
+        if name.endswith(".md"):
+            found += dead_links(path, text, files)
         if name == "DECISIONS.md":
             found += wrong_numbers(path, text)
     return found + list(wrong_words(files, in_use(IN_USE.read_text(encoding="utf-8")) if allowed is None else allowed))

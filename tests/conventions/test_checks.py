@@ -211,6 +211,11 @@ class Documents(unittest.TestCase):
         for path, other in (("tests/rt/a.cpp", text), ("rt/a.cpp", "// in doubt\nint doubt;\n"), ("rt/a.cpp", 'key("doubt")')):
             self.assertEqual(documents.problems({path: other}, {}), [])
 
+    def test_refuses_links_that_lead_nowhere(self):
+        files = {"rt/README.md": "[a](../core/a.md#b) [c](https://example.org) [d](../core)", "core/a.md": ""}
+        self.assertEqual(documents.problems(files, {}), [])
+        self.assertEqual(documents.problems(files | {"rt/README.md": "\n[e](e.md)"}, {}), ["rt/README.md:2: e.md leads nowhere"])
+
     def test_lets_no_more_and_no_fewer_uses_pass_than_are_known(self):
         text, word = "torn, and torn\n", r"\btorn\b"
         self.assertEqual(documents.problems({"a.md": text}, {("a.md", word): 2}), [])
