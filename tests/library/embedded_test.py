@@ -53,6 +53,10 @@ class EmbeddedTest(unittest.TestCase):
         self.assertNotIn("__cxa_throw", symbols)
         self.assertNotIn("typeinfo for odoless", symbols)
 
+    def test_a_program_may_define_what_a_broken_invariant_does(self):
+        outcome = subprocess.run([os.path.join(self.folder, "own_check")], capture_output=True, text=True, check=False)
+        self.assertEqual((outcome.returncode, outcome.stderr), (42, ""))
+
     def test_examples_are_short(self):
         for name in os.listdir(EXAMPLES):
             with open(os.path.join(EXAMPLES, name), encoding="utf-8") as file:
