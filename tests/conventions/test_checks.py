@@ -1,5 +1,7 @@
 """Each check fails on a bad example, says where, and lets a good one pass."""
 
+import importlib.machinery
+import importlib.util
 import pathlib
 import subprocess
 import tempfile
@@ -37,6 +39,23 @@ class Architecture(unittest.TestCase):
         hop = "   - `rt/a.cpp`: `f`\n"
         self.assertIn("question 10 takes 4 hops", self.found(self.QUESTIONS + 3 * hop)[0])
         self.assertIn("9 questions; must be ten", self.found(self.QUESTIONS.replace("10. Who?\n" + hop, ""))[0])
+
+
+class Picture(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        tool = pathlib.Path(__file__).resolve().parents[2] / "tools/architecture"
+        loader = importlib.machinery.SourceFileLoader("picture", str(tool))
+        cls.picture = importlib.util.module_from_spec(importlib.util.spec_from_loader("picture", loader))
+        loader.exec_module(cls.picture)
+
+    def test_folders_that_include_each_other_share_a_box(self):
+        self.assertEqual(self.picture.boxes({"a": {"b"}, "b": {"a", "c"}, "c": set()}), {"a": ("a", "b"), "b": ("a", "b"), "c": ("c",)})
+
+    def test_what_follows_from_other_lines_is_left_out(self):
+        lines = self.picture.reduced({"a": {"b", "c"}, "b": {"c"}, "c": set()})
+        self.assertEqual(lines, {("a",): {("b",)}, ("b",): {("c",)}, ("c",): set()})
+        self.assertEqual(self.picture.rows(lines), [[("a",)], [("b",)], [("c",)]])
 
 
 class Arrows(unittest.TestCase):
