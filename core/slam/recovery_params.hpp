@@ -28,11 +28,11 @@ struct TrackingParams {
     visit.value("usual_share", self.usual_share, Range{0.0, 1.0},
                 "Least fit, as a share of the usual fit, of a candidate for the robot's pose.");
     visit.value("sure_probability", self.sure_probability, Range{0.5, 1.0},
-                "Probability that the pose is right from which the state is OK.");
+                "The state is OK from this probability on that the pose is right.");
     visit.value("map_probability", self.map_probability, Range{0.0, 1.0},
-                "Probability that tracking was kept below which nothing is mapped.");
+                "Nothing is mapped below this probability that tracking was kept.");
     visit.value("lost_probability", self.lost_probability, Range{0.5, 1.0},
-                "Probability that tracking broke off from which it counts as lost.");
+                "Tracking counts as lost from this probability on that it broke off.");
     visit.value("leap_m", self.leap_m, Range{0.0, 10.0},
                 "Usual motion from scan to scan above which scans are too far apart to detect lost tracking.");
     visit.value("leap_rad", self.leap_rad, Range{0.0, 3.2},
