@@ -19,9 +19,9 @@ struct GateParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.value("distance_m", self.distance_m, Range{0.0, 10.0}, "Travel after which the filter takes a scan.");
-    visit.value("rotation_rad", self.rotation_rad, Range{0.0, 3.1416}, "Rotation after which the filter takes a scan.");
-    visit.flag("widen_by_match", self.widen_by_match, "Whether a match's own deviation widens the motion model.");
+    visit.value("distance_m", self.distance_m, Range{0.0, 10.0}, "Travel after which the filter is updated.");
+    visit.value("rotation_rad", self.rotation_rad, Range{0.0, 3.1416}, "Rotation after which the filter is updated.");
+    visit.flag("widen_by_match", self.widen_by_match, "Whether the covariance of a match widens the motion model.");
   }
 };
 

@@ -4,8 +4,8 @@
 
 namespace odoless {
 
-/// PCG32 (XSH-RR) generator [oneill2014pcg] with distributions of our own, so that one seed gives the same numbers with
-/// every standard library.
+/// PCG32 (XSH-RR) generator [oneill2014pcg; method 11] with distributions of our own, so that one seed gives the same
+/// numbers with every standard library.
 ///
 /// Thread: owned by one thread. Real time: no allocation, bounded time but for `normal`, whose rejection loop ends
 /// after 1.27 rounds on average.

@@ -25,15 +25,17 @@ struct CloudParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.value("voxel_m", self.voxel_m, Range{0.005, 1.0}, "Side of the cubes of which each keeps one point.");
+    visit.value("voxel_m", self.voxel_m, Range{0.005, 1.0}, "Side of a voxel; each voxel keeps one point.");
     visit.value("points_max", self.points_max, Range{1'000, 200'000'000},
-                "Points that are kept, 16 bytes each; when they are full, new ones are refused and counted.");
-    visit.value("keys_max", self.keys_max, Range{1, 1'000'000}, "Key poses that points can hang on.");
+                "Most points of the cloud, 16 bytes each; when it is full, new points are refused and counted.");
+    visit.value("keys_max", self.keys_max, Range{1, 1'000'000}, "Most key poses of the cloud.");
     visit.value("key_voxels_max", self.key_voxels_max, Range{1'000, 16'777'216},
-                "Voxels that one key pose may fill; memory for twice as many, 16 bytes each.");
+                "Most voxels of one key pose; memory is set aside for twice as many, 16 bytes each.");
     visit.value("key_distance_m", self.key_distance_m, Range{0.1, 100.0}, "Travel after which a new key pose begins.");
-    visit.value("key_rotation_rad", self.key_rotation_rad, Range{0.05, 100.0}, "The same of rotation.");
-    visit.value("range_max_m", self.range_max_m, Range{0.5, 200.0}, "Farther returns are left out of the cloud.");
+    visit.value("key_rotation_rad", self.key_rotation_rad, Range{0.05, 100.0},
+                "Rotation after which a new key pose begins.");
+    visit.value("range_max_m", self.range_max_m, Range{0.5, 200.0},
+                "Largest range of a return that goes into the cloud.");
   }
 };
 

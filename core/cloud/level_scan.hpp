@@ -17,12 +17,15 @@ struct LevelParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("tilt_max_rad", self.tilt_max_rad, Range{0.0, 1.5708},
-                "Scans that are tilted further are not used for poses.");
-    visit.value(
-        "below_m", self.below_m, Range{0.0, 100.0},
-        "Of a tilted scan, what lies farther below the level laser than this is not used for poses: the floor.");
-    visit.value("above_m", self.above_m, Range{0.0, 100.0}, "The same above it: lintels, the ceiling.");
-    visit.value("returns_min", self.returns_min, Range{8, 16384}, "Scans with fewer such returns are not used.");
+                "Largest tilt at which a scan is used for 2D SLAM.");
+    visit.value("below_m", self.below_m, Range{0.0, 100.0},
+                "Returns of a tilted scan that lie farther below the level laser are not used for 2D SLAM: they are "
+                "the floor.");
+    visit.value("above_m", self.above_m, Range{0.0, 100.0},
+                "Returns of a tilted scan that lie farther above the level laser are not used for 2D SLAM: they are "
+                "lintels or the ceiling.");
+    visit.value("returns_min", self.returns_min, Range{8, 16384},
+                "Fewest remaining returns with which a tilted scan is used for 2D SLAM.");
   }
 };
 

@@ -32,12 +32,14 @@ struct MappingParams {
     visit.group("mount", self.mount, "The laser on its tilt axis on the robot: the extrinsic calibration.");
     visit.group("level", self.level, "Which scans of a tilting laser serve 2D SLAM.");
     visit.group("cloud", self.cloud, "The cloud of points.");
-    visit.value("pose_gap_max_s", self.pose_gap_max_s, Range{0.01, 60.0},
-                "Between poses farther apart no pose is known, and scans are left out of the cloud.");
+    visit.value(
+        "pose_gap_max_s", self.pose_gap_max_s, Range{0.01, 60.0},
+        "Longest time between two poses that are interpolated; scans in longer gaps are left out of the cloud.");
     visit.value("yaw_doubt_max_rad", self.yaw_doubt_max_rad, Range{0.0001, 3.1416},
-                "Scans between two level ones are left out where the robot may have turned unevenly by more.");
+                "Largest uncertainty of the heading, from uneven turning between two level scans, at which a scan goes "
+                "into the cloud.");
     visit.value("angle_gap_max_s", self.angle_gap_max_s, Range{0.001, 60.0},
-                "Between angles farther apart no angle is known, and beams are left out.");
+                "Longest time between two servo angles that are interpolated; beams in longer gaps are left out.");
   }
 };
 

@@ -19,12 +19,12 @@ struct MountParams {
   static void describe(Self& self, Visitor& visit) {
     constexpr Range kPlace{-10.0, 10.0};
     constexpr Range kTurn{-3.1416, 3.1416};
-    visit.value("x_m", self.x_m, kPlace, "Forward.");
-    visit.value("y_m", self.y_m, kPlace, "To the left.");
-    visit.value("z_m", self.z_m, kPlace, "Up.");
-    visit.value("roll_rad", self.roll_rad, kTurn, "About x, first.");
-    visit.value("pitch_rad", self.pitch_rad, kTurn, "About y, second; positive looks down.");
-    visit.value("yaw_rad", self.yaw_rad, kTurn, "About z, last.");
+    visit.value("x_m", self.x_m, kPlace, "Position along x, forward.");
+    visit.value("y_m", self.y_m, kPlace, "Position along y, to the left.");
+    visit.value("z_m", self.z_m, kPlace, "Position along z, up.");
+    visit.value("roll_rad", self.roll_rad, kTurn, "Rotation about x, applied first.");
+    visit.value("pitch_rad", self.pitch_rad, kTurn, "Rotation about y, applied second; positive looks down.");
+    visit.value("yaw_rad", self.yaw_rad, kTurn, "Rotation about z, applied last.");
   }
 
   [[nodiscard]] Pose3 pose() const { return Pose3::of({x_m, y_m, z_m}, roll_rad, pitch_rad, yaw_rad); }

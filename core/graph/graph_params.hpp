@@ -43,28 +43,30 @@ struct GraphParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.flag("enabled", self.enabled, "Whether loops are closed by a pose graph of submaps.");
-    visit.value("submaps_max", self.submaps_max, Range{16, 200'000}, "Most submaps; memory is set aside for them.");
+    visit.value("submaps_max", self.submaps_max, Range{16, 200'000},
+                "Largest number of submaps; memory is set aside for them.");
     visit.value("constraints_max", self.constraints_max, Range{32, 2'000'000},
-                "Most constraints between submaps; memory is set aside for them.");
+                "Largest number of constraints between submaps; memory is set aside for them.");
     visit.value("keyframes_max", self.keyframes_max, Range{64, 4'000'000},
-                "Most keyframes; memory is set aside for them.");
-    visit.value("keyframe_beams_max", self.keyframe_beams_max, Range{32, 16384},
-                "Most beams of a keyframe; of a scan with more only every second, third, ... is kept.");
+                "Largest number of keyframes; memory is set aside for them.");
+    visit.value(
+        "keyframe_beams_max", self.keyframe_beams_max, Range{32, 16384},
+        "Largest number of beams of a keyframe; of a scan with more, only every second, third, ... beam is kept.");
     visit.value("keyframe_distance_m", self.keyframe_distance_m, Range{0.05, 10.0},
                 "Travel after which a scan becomes a keyframe.");
     visit.value("keyframe_rotation_rad", self.keyframe_rotation_rad, Range{0.02, 3.1416},
                 "Rotation after which a scan becomes a keyframe.");
     visit.value("submap_travel_m", self.submap_travel_m, Range{0.5, 100.0}, "Travel after which a submap ends.");
-    visit.value("submap_keyframes", self.submap_keyframes, Range{3, 100}, "Most keyframes of a submap.");
+    visit.value("submap_keyframes", self.submap_keyframes, Range{3, 100}, "Largest number of keyframes of a submap.");
     visit.value("submap_slip_m", self.submap_slip_m, Range{0.1, 10.0},
-                "A submap ends where the odometry may have slipped by this much along an unconstrained direction.");
+                "Uncertainty of laser odometry along an unconstrained direction after which a submap ends.");
     visit.value("candidates", self.candidates, Range{1, 200},
-                "Most older submaps that a submap is matched with when it ends.");
+                "Largest number of older submaps that a submap is matched with when it ends.");
     visit.value("references", self.references, Range{1, 100},
-                "Submaps that are kept ready to be matched with; each takes some 30 MB.");
+                "Number of submaps that are kept prepared for matching; each takes some 30 MB.");
     visit.value("reference_points_max", self.reference_points_max, Range{1000, 200'000},
-                "Most points of a submap with its neighbours.");
-    visit.group("reference", self.reference, "What a submap is made into to be matched with.");
+                "Largest number of points of a submap with its neighbours.");
+    visit.group("reference", self.reference, "Representation of a submap for matching.");
   }
 };
 

@@ -16,7 +16,7 @@ struct LoopCandidate {
 
 /// Holds matches back until others say the same. Where corridors look alike one match may be wrong however good it is;
 /// three from three submaps that agree with each other, through the odometry between them, are not
-/// [olson2009recognizing; mangelsen2018pcm].
+/// [olson2009recognizing; mangelson2018pcm; method 9].
 ///
 /// Thread: owned by one thread. Memory is bounded by kPool. Not for real-time threads.
 class LoopVerifier {

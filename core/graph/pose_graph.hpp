@@ -64,8 +64,8 @@ class PoseGraph {
   [[nodiscard]] std::span<Constraint> constraints() { return constraints_; }
   [[nodiscard]] std::span<const Constraint> constraints() const { return constraints_; }
 
-  /// Dijkstra's shortest paths by the trace of the covariance [bosse2003atlas, section III-C]. Loop closures that
-  /// don't hold lead nowhere. Time: n log n in the constraints.
+  /// Dijkstra's shortest paths by the trace of the covariance [bosse2003atlas, section III-C; method 9]. Loop closures
+  /// that don't hold lead nowhere. Time: n log n in the constraints.
   void project(int root, Projection& out) const;
   [[nodiscard]] std::size_t memory_bytes() const;
 

@@ -25,15 +25,14 @@ struct AncestryGridParams {
   static void describe(Self& self, Visitor& visit) {
     visit.value("resolution_m", self.resolution_m, Range{0.005, 1.0}, "Side of a map cell.");
     visit.value("width_m", self.width_m, Range{1.0, 2000.0},
-                "Extent along x of the part of the map that the filter keeps, rounded up to whole tiles; it follows "
-                "the robot.");
-    visit.value("height_m", self.height_m, Range{1.0, 2000.0}, "Extent along y, as for x.");
+                "Extent along x of the filter's window of map, which follows the robot; rounded up to whole tiles.");
+    visit.value("height_m", self.height_m, Range{1.0, 2000.0}, "Extent along y of the filter's window of map.");
     visit.value("tiles_max", self.tiles_max, Range{16, 4'000'000},
-                "Pool of observed tiles of 16 x 16 cells, shared by all particles' maps; 1 KiB each.");
+                "Most tiles of 16 x 16 cells, shared by the maps of all particles; 1 KiB each.");
   }
 };
 
-/// The maps of all particles in one grid, without copies of what they share [eliazar2003dpslam].
+/// The maps of all particles in one grid, without copies of what they share [eliazar2003dpslam; method 6].
 ///
 /// The grid is cut into tiles of 16 x 16 cells. A tile holds one version for each node of the particles' ancestry that
 /// observed something in it; a version is cumulative: it begins as a copy of the nearest ancestor's and goes on from

@@ -7,7 +7,7 @@
 
 namespace odoless {
 
-/// Who descends from whom among the particles of a filter [eliazar2003dpslam].
+/// Who descends from whom among the particles of a filter [eliazar2003dpslam; method 6].
 ///
 /// The leaves are the living particles. A resampling has two halves, so that a scan can be put into the survivors' maps
 /// once, before they multiply: `retain` removes what no survivor descends from and merges every node with its only

@@ -8,9 +8,9 @@
 
 namespace odoless {
 
-/// What the beams said of one cell: the published opacity model of DP-SLAM [eliazar2004dpslam2], the way that beams
-/// travelled in it and how often one stopped there. Four bytes, half of two floats: cells are nearly all of the memory
-/// that a filter needs.
+/// What the beams said of one cell: the published opacity model of DP-SLAM [eliazar2004dpslam2; method 6], the way that
+/// beams travelled in it and how often one stopped there. Four bytes, half of two floats: cells are nearly all of the
+/// memory that a filter needs.
 ///
 /// Way is counted in 32nds of the cell's width. A counter that overflows (after some 1500 beams) halves both, so the
 /// ratio stays and the newer beams count for more.

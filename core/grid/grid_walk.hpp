@@ -10,7 +10,8 @@
 
 namespace odoless {
 
-/// The cells that a straight beam crosses, in order, with the length of its path in each [amanatides1987traversal].
+/// The cells that a straight beam crosses, in order, with the length of its path in each [amanatides1987traversal;
+/// method 6].
 ///
 /// Distances along the beam are kept as integers (2^-32 of a cell), which makes a step a handful of short instructions
 /// and the walk free of rounding drift: BM_GridWalk.

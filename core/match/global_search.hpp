@@ -38,15 +38,17 @@ struct GlobalSearchParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.group("fine", self.fine, "Raster of the map that candidates climb; cut to the map.");
-    visit.group("coarse", self.coarse, "Blurred raster of the map that is searched for them; cut likewise.");
-    visit.value("free_penalty", self.free_penalty, Range{0.0, 1.0}, "What a point loses in a free cell of the map.");
+    visit.group("fine", self.fine, "Raster of the map on which candidates are refined; cut to the map.");
+    visit.group("coarse", self.coarse, "Blurred raster of the map that is searched for candidates; cut to the map.");
+    visit.value("free_penalty", self.free_penalty, Range{0.0, 1.0}, "Penalty for a point in a free cell of the map.");
     visit.value("step_m", self.step_m, Range{0.02, 5.0}, "Step of the search along x and y.");
     visit.value("step_rad", self.step_rad, Range{0.005, 1.6}, "Step of the search in yaw.");
-    visit.value("thinning_m", self.thinning_m, Range{0.0, 1.0}, "Arc length per point of the scan.");
-    visit.value("coarse_points", self.coarse_points, Range{8, 10000}, "Most points that the search looks at.");
-    visit.value("peaks", self.peaks, Range{2, 1000}, "Best poses of the search, apart from each other, that climb.");
-    visit.value("candidates", self.candidates, Range{2, 100}, "Best of these after the climb.");
+    visit.value("thinning_m", self.thinning_m, Range{0.0, 1.0},
+                "Distance between two points of the scan along a wall.");
+    visit.value("coarse_points", self.coarse_points, Range{8, 10000}, "Largest number of points that the search uses.");
+    visit.value("peaks", self.peaks, Range{2, 1000}, "Number of best distinct poses of the search that are refined.");
+    visit.value("candidates", self.candidates, Range{2, 100},
+                "Number of best refined poses that are followed as candidates.");
   }
 };
 

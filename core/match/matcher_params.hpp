@@ -27,26 +27,27 @@ struct ReferenceParams {
   /// Of every reference.
   template <class Self, class Visitor>
   static void describe_common(Self& self, Visitor& visit) {
-    visit.group("ndt", self.ndt, "The Normal Distributions Transform that the last step climbs.");
-    visit.group("fine", self.fine, "Raster that the second half of the search looks up.");
-    visit.group("coarse", self.coarse, "Blurred raster that the first half of the search looks up.");
-    visit.value("thinning_m", self.thinning_m, Range{0.0, 1.0},
-                "Arc length per point, so that near walls do not outvote the rest; 0 keeps all.");
+    visit.group("ndt", self.ndt, "Normal Distributions Transform of the last, exact step.");
+    visit.group("fine", self.fine, "Raster of the second half of the search.");
+    visit.group("coarse", self.coarse, "Blurred raster of the first half of the search.");
+    visit.value(
+        "thinning_m", self.thinning_m, Range{0.0, 1.0},
+        "Distance between two points along a wall, so that near walls do not outweigh far ones; 0 keeps all points.");
     visit.value("free_margin_m", self.free_margin_m, Range{0.0, 2.0},
-                "A beam frees what lies nearer than its end by more than this.");
+                "Distance before the end of a beam up to which it marks free space.");
     visit.value("free_penalty", self.free_penalty, Range{0.0, 1.0},
-                "What a point loses where the reference saw through; in the fine raster alone, since it hinders the "
+                "Penalty for a point in the reference's free space; in the fine raster only, because it hinders the "
                 "coarse search.");
   }
   template <class Self, class Visitor>
   static void describe_second_try(Self& self, Visitor& visit) {
     visit.value("wide_cell_size_m", self.wide_cell_size_m, Range{0.0, 20.0},
-                "Side of an NDT cell when a poor match is tried again; 0: the blurred raster serves.");
+                "Side of an NDT cell in the wide search after a rejected match; 0: the blurred raster is used.");
   }
   template <class Self, class Visitor>
   static void describe_many_scans(Self& self, Visitor& visit) {
     visit.value("free_every", self.free_every, Range{1, 100},
-                "One scan in so many marks free space; where scans overlap, the others mark the same.");
+                "Only every Nth scan marks free space; scans that overlap mark the same.");
   }
 };
 
@@ -77,22 +78,27 @@ struct SearchParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("box_translation_m", self.box_translation_m, Range{0.01, 50.0}, "Half the side of the search box.");
-    visit.value("box_rotation_rad", self.box_rotation_rad, Range{0.001, 3.1416}, "Half the rotation that is searched.");
+    visit.value("box_rotation_rad", self.box_rotation_rad, Range{0.001, 3.1416},
+                "Half the range of rotation that is searched.");
     visit.value("start_points", self.start_points, Range{8, 10000},
-                "Candidates scored to choose the first population.");
+                "Number of start points, of which the best become the first population.");
     visit.value("expected_share", self.expected_share, Range{0.0, 1.0},
-                "Share of these that lie as the motion is expected; the others are spread evenly over the box.");
-    visit.value("coarse_evaluations", self.coarse_evaluations, Range{0, 1000000}, "Evaluations on the blurred raster.");
-    visit.value("fine_evaluations", self.fine_evaluations, Range{0, 1000000}, "Evaluations on the fine raster.");
-    visit.value("coarse_every", self.coarse_every, Range{1, 100}, "The coarse search looks at one point in so many.");
-    visit.flag(
-        "exact", self.exact,
-        "Whether the search scores the exact NDT of all points instead of the fine raster: slower by ten times.");
+                "Share of the start points that are drawn around the expected motion; the others are distributed "
+                "evenly over the box.");
+    visit.value("coarse_evaluations", self.coarse_evaluations, Range{0, 1000000},
+                "Number of evaluations on the blurred raster.");
+    visit.value("fine_evaluations", self.fine_evaluations, Range{0, 1000000},
+                "Number of evaluations on the fine raster.");
+    visit.value("coarse_every", self.coarse_every, Range{1, 100}, "The coarse search uses only every Nth point.");
+    visit.flag("exact", self.exact,
+               "Whether the search scores the exact NDT of all points instead of the fine raster; ten times slower.");
     visit.value("spread_m", self.spread_m, Range{0.0, 5.0},
-                "Noise added to the better half when it replaces the worse half between the two.");
+                "Standard deviation of the noise on the better half of the population when its copy replaces the worse "
+                "half, between coarse and fine search.");
     visit.value("angle_floor", self.angle_floor, Range{0.0, 1.0},
-                "Share of the start angles that ignore the orientation histograms; 1: all are spread evenly.");
-    visit.value("simplex_steps", self.simplex_steps, Range{0, 1000}, "Steps of the downhill simplex after the search.");
+                "Share of the start angles that are distributed evenly instead of by the orientation histograms.");
+    visit.value("simplex_steps", self.simplex_steps, Range{0, 1000},
+                "Number of evaluations of the downhill simplex after the search.");
     visit.group("de", self.de, "Differential Evolution.");
   }
 };
@@ -117,26 +123,28 @@ struct MatcherParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("points_max", self.points_max, Range{16, 100000},
-                "Most points of a scan or a reference; more beams than this are refused.");
-    visit.group("reference", self.reference, "What a reference is made into.");
-    visit.group("search", self.search, "The search that every scan gets.");
-    visit.group("retry", self.retry, "The wider search that a poor match gets, with wide cells.");
+                "Most points of a scan or a reference; a scan with more beams is refused.");
+    visit.group("reference", self.reference, "Representation of the reference scan.");
+    visit.group("search", self.search, "Search for every scan.");
+    visit.group("retry", self.retry, "Wide search after a rejected match, with larger cells.");
     visit.value("probe_m", self.probe_m, Range{0.0, 20.0},
-                "How far from the best pose other peaks are sought along the weakest direction; 0: nowhere.");
-    visit.value("refine_steps", self.refine_steps, Range{1, 100}, "Most Newton steps on the exact score.");
+                "Distance from the best pose, along the least constrained direction, at which other hypotheses are "
+                "sought; 0: none are.");
+    visit.value("refine_steps", self.refine_steps, Range{1, 100}, "Largest number of Newton steps on the exact score.");
     visit.value("score_min", self.score_min, Range{0.0, 1.0},
-                "A match whose mean score per point is below is poor: it is retried, and not called converged unless "
-                "that helps.");
+                "Least mean score per point; a match below it is searched again more widely, and rejected if that does "
+                "not help.");
     visit.value("prior_weight", self.prior_weight, Range{0.0, 1.0},
-                "How much a pose loses beyond the expected deviations, times the logarithm of their squares.");
+                "Weight of the expected motion: a pose outside its standard deviations loses this times the logarithm "
+                "of their squares.");
     visit.value("second_peak_ratio_max", self.second_peak_ratio_max, Range{0.0, 1.0},
-                "A second peak that scores this share of the best makes the match ambiguous.");
+                "Score of a second hypothesis, as a share of the best, above which the match is ambiguous.");
   }
 };
 
-/// The method in its plainest form (sections 5.1.1 and 5.1.3 of the seed): DE/rand/1/bin with N = 100 members and G =
-/// 50 generations, spread evenly over the box, on the exact NDT score of every beam with cells of 1 m; nothing coarse,
-/// thinned, freed, refined or retried. For comparison.
+/// The method in its plainest form (sections 5.1.1 and 5.1.3 of the dissertation): DE/rand/1/bin with N = 100 members
+/// and G = 50 generations, spread evenly over the box, on the exact NDT score of every beam with cells of 1 m; nothing
+/// coarse, thinned, freed, refined or retried. For comparison.
 [[nodiscard]] MatcherParams seed_matcher_params();
 
 }  // namespace odoless

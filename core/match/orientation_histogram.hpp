@@ -9,8 +9,7 @@
 namespace odoless {
 
 /// Histogram of the directions of the surfaces that a scan saw, by length. Two scans of one place have the same
-/// histogram but for a shift by the angle between them, wherever they were taken [weiss1994, "Keeping track of position
-/// and orientation of moving indoor systems by correlation of range-finder scans"].
+/// histogram but for a shift by the angle between them, wherever they were taken [weiss1994orientation; method 3].
 class OrientationHistogram {
  public:
   static constexpr std::size_t kBins = 180;  ///< over a full turn

@@ -13,7 +13,8 @@ struct Refined {
   int evaluations = 0;
 };
 
-/// Climbs from `start` to the nearest peak of the exact NDT score by damped Newton steps [biber2003ndt, section IV].
+/// Climbs from `start` to the nearest peak of the exact NDT score by damped Newton steps [biber2003ndt, section IV;
+/// method 2].
 ///
 /// Where the Hessian is not negative definite its Gauss-Newton part takes its place. Never ends lower than it began.
 /// Real time: no allocation; at most `steps` evaluations of score, gradient and Hessian, after the deadline no more

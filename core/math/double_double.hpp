@@ -6,7 +6,8 @@
 /// Tables of the elementary functions, made while compiling: no list of digits to copy, none to get wrong.
 namespace odoless::math {
 
-/// The sum of two doubles, the second at most half a unit of the first's last place: about 106 bits [dekker1971float].
+/// The sum of two doubles, the second at most half a unit of the first's last place: about 106 bits [dekker1971float;
+/// method 11].
 struct DoubleDouble {
   double high = 0.0;
   double low = 0.0;

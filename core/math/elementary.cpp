@@ -7,9 +7,9 @@
 
 #include "core/math/double_double.hpp"
 
-// Argument reduction by constants in parts [cody1980software], tables whose entries are known better than a double
-// [tang1989exp, tang1990log], and polynomials of Chebyshev's nodes between. What is lost in the sum of a large and a
-// small part stays with the small one.
+// Argument reduction by constants in parts [cody1980software; method 11], tables whose entries are known better than a
+// double [tang1989exp, tang1990log; method 11], and polynomials of Chebyshev's nodes between. What is lost in the sum
+// of a large and a small part stays with the small one.
 namespace odoless::math {
 namespace {
 

@@ -8,7 +8,7 @@
 
 namespace odoless {
 
-/// Constants of the scan-matching motion model; the defaults are those of the thesis chapter's Table 5.1 and 5.3.
+/// Constants of the scan-matching motion model; the defaults are those of the dissertation's Table 5.1 and 5.3.
 /// A spread is the argument v of the table's sampleA, whose deviation is v / 3.
 struct MotionModelParams {
   double translation_spread_m = 0.02;
@@ -21,21 +21,23 @@ struct MotionModelParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("translation_spread_m", self.translation_spread_m, Range{0.0, 10.0},
-                "Spread of a matched displacement along each axis, however short it is.");
+                "Constant part of the noise of a displacement along each axis (v in Table 5.1; the standard deviation "
+                "is v / 3).");
     visit.value("translation_spread_ratio", self.translation_spread_ratio, Range{0.0, 10.0},
-                "Spread that each metre of displacement adds along its own axis.");
+                "Noise of a displacement per metre along the same axis.");
     visit.value("rotation_spread_rad", self.rotation_spread_rad, Range{0.0, 3.2},
-                "Spread of a matched rotation, however small it is.");
+                "Constant part of the noise of a rotation (the standard deviation is a third).");
     visit.value("rotation_spread_ratio", self.rotation_spread_ratio, Range{0.0, 10.0},
-                "Spread that each radian of rotation adds.");
-    visit.value("slip_probability", self.slip_probability, Range{0.0, 1.0},
-                "Probability that the match missed travel that the robot's speed promised.");
+                "Noise of a rotation per radian.");
+    visit.value(
+        "slip_probability", self.slip_probability, Range{0.0, 1.0},
+        "Probability that the match missed the travel that the last speed predicts, as along a featureless wall.");
     visit.value("slip_rotation_max_rad", self.slip_rotation_max_rad, Range{0.0, 3.2},
-                "Only matches with less rotation may have missed travel.");
+                "Largest rotation of a match that may have missed travel.");
   }
 };
 
-/// Draws where the robot may be after a scan match reported a displacement: Tables 5.1 to 5.3 of the thesis chapter.
+/// Draws where the robot may be after a scan match reported a displacement: Tables 5.1 to 5.3 of the dissertation.
 ///
 /// Each axis gets independent, nearly Gaussian noise (sampleA: v/6 times the sum of 12 uniforms of [-1, 1), so mean 0,
 /// deviation v/3, never beyond 2v). With `slip_probability`, and only if the match turned by less than

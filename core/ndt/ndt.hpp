@@ -27,9 +27,9 @@ struct NdtParams {
                 "Half the side of the square that the grids cover; farther points are ignored.");
     visit.value("points_min", self.points_min, Range{3, 100}, "Fewest points for a cell to have a distribution.");
     visit.value("sigma_min_m", self.sigma_min_m, Range{0.001, 1.0},
-                "Smallest deviation of a cell's distribution: the sensor's own noise.");
+                "Smallest standard deviation of a cell's distribution: the noise of the sensor.");
     visit.value("sigma_ratio_min", self.sigma_ratio_min, Range{0.0, 1.0},
-                "Smallest ratio of a cell's two deviations (a wall is thin, not flat).");
+                "Smallest ratio of a cell's two standard deviations, so that a wall is thin but not a line.");
   }
 };
 
@@ -51,7 +51,7 @@ struct NdtInformation {
 };
 
 /// Mends a nearly singular covariance (the smaller deviation is at least `sigma_min_m` and `sigma_ratio_min` of the
-/// larger one) and inverts it. [biber2003ndt, section III]
+/// larger one) and inverts it. [biber2003ndt, section III; method 2]
 [[nodiscard]] NdtInformation mended_information(const NdtCell& cell, double sigma_min_m, double sigma_ratio_min);
 
 /// Score of a pose with its derivatives over (x_m, y_m, yaw_rad).
@@ -66,7 +66,7 @@ struct NdtDerivatives {
   Eigen::Matrix3d held = Eigen::Matrix3d::Zero();
 };
 
-/// Normal Distributions Transform of a point set: four grids, shifted by half a cell [biber2003ndt].
+/// Normal Distributions Transform of a point set: four grids, shifted by half a cell [biber2003ndt; method 2].
 ///
 /// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; `rebuild` is linear in the
 /// points and in the cells that they touch, also in slices; `score` in the points.

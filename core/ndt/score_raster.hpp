@@ -23,7 +23,7 @@ struct RasterParams {
     visit.value("extent_m", self.extent_m, Range{1.0, 100.0},
                 "Half the side of the raster; points beyond score nothing.");
     visit.value("sigma_min_m", self.sigma_min_m, Range{0.005, 2.0},
-                "Smallest deviation painted; larger is blurred and easier to search.");
+                "Smallest standard deviation in the raster; a larger one blurs it and makes the search easier.");
   }
 };
 

@@ -40,28 +40,28 @@ struct LaserOdometryParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.group("local_map", self.local_map, "What the key scans are made into.");
-    visit.value("key_scans", self.key_scans, Range{1, 200}, "Key scans that make the local map.");
+    visit.group("local_map", self.local_map, "Representation of the local map.");
+    visit.value("key_scans", self.key_scans, Range{1, 200}, "Number of key scans in the local map.");
     visit.value("key_distance_m", self.key_distance_m, Range{0.0, 10.0},
                 "Travel after which a scan becomes a key scan.");
     visit.value("key_rotation_rad", self.key_rotation_rad, Range{0.0, 3.1416},
                 "Rotation after which a scan becomes a key scan.");
     visit.value("prediction_max_s", self.prediction_max_s, Range{0.0, 10.0},
-                "The robot is taken to keep its speed for so long where scans are missing.");
+                "Time for which the last speed predicts the motion where scans are missing.");
     visit.value("expectation_period_min_s", self.expectation_period_min_s, Range{0.0, 10.0},
-                "The expected accelerations are taken to act for at least so long, however fast scans follow.");
+                "Shortest time for which accelerations are expected to act, also at higher scan rates.");
     visit.value("speed_walk_sd_mps", self.speed_walk_sd_mps, Range{0.0, 100.0},
-                "How far the speed is expected to change within 1 s, as a random walk.");
+                "Standard deviation of the change of speed within 1 s (process noise, a random walk).");
     visit.value("speed_error_max_mps", self.speed_error_max_mps, Range{0.01, 100.0},
-                "Most that the speed is taken to be in doubt, however long nothing held it.");
-    visit.value(
-        "poor_share", self.poor_share, Range{0.0, 1.0},
-        "A match that scores less than this share of the usual is poor: the robot may have been carried, and the local "
-        "map begins anew.");
+                "Upper bound of the speed's standard deviation, for long times without a constraint on it.");
+    visit.value("poor_share", self.poor_share, Range{0.0, 1.0},
+                "Score of a match, as a share of the usual score, below which it is not used: the robot may have been "
+                "carried.");
     visit.value("poor_scans", self.poor_scans, Range{1, 1000},
-                "After so many poor matches in a row the local map begins anew; until then the speed is kept.");
+                "Number of such matches in a row after which the local map is reset; until then the last speed "
+                "predicts the motion.");
     visit.value("period_min_s", self.period_min_s, Range{0.001, 10.0},
-                "Stamps nearer than this are taken to be this far apart.");
+                "Shortest time between two scans; nearer stamps count as this far apart.");
   }
 };
 
@@ -101,7 +101,7 @@ class LaserOdometry {
   /// Constant velocity; what may be off of it.
   [[nodiscard]] Estimate predict(double period_s) const;
   [[nodiscard]] MotionReach expected_reach(double period_s) const;
-  /// Kalman's update of the prediction by a match. [kalman1960]
+  /// Kalman's update of the prediction by a match. [kalman1960; method 4]
   [[nodiscard]] Estimate corrected(const Estimate& prediction, const Pose2& odom_T_key, const MatchResult& match);
   /// Since the last scan that was no repetition; of a repetition since the last scan.
   [[nodiscard]] double unobserved_period_s(const ScanFrame& scan, double period_s);

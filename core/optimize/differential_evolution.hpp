@@ -14,13 +14,13 @@
 
 namespace odoless {
 
-/// How a mutant is made from the population [storn1997de].
+/// How a mutant is made from the population [storn1997de; method 3].
 enum class DeStrategy : std::uint8_t {
   kRand1Bin,           ///< a random member plus one difference
   kBest1Bin,           ///< the best member plus one difference
   kCurrentToBest1Bin,  ///< the member, moved towards the best, plus one difference
   kCurrentToRing1Bin,  ///< the member, moved towards the best of its ring neighbours, plus one difference
-  kJde,                ///< rand/1/bin whose factor and rate adapt per member [brest2006jde]
+  kJde,                ///< rand/1/bin whose factor and rate adapt per member [brest2006jde; method 3]
 };
 inline constexpr const char* kDeStrategyNames[] = {"rand-1-bin", "best-1-bin", "current-to-best-1-bin",
                                                    "current-to-ring-1-bin", "jde"};
@@ -34,13 +34,14 @@ struct DeParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.value("population", self.population, Range{8, 1000}, "Members of the population (N).");
-    visit.choice("strategy", self.strategy, std::span<const char* const>(kDeStrategyNames), "How a mutant is made.");
+    visit.value("population", self.population, Range{8, 1000}, "Size of the population (N).");
+    visit.choice("strategy", self.strategy, std::span<const char* const>(kDeStrategyNames),
+                 "Strategy by which mutants are made.");
     visit.value("factor", self.factor, Range{0.0, 2.0}, "Scale of the difference of two members (F).");
     visit.value("crossover_rate", self.crossover_rate, Range{0.0, 1.0},
-                "Chance of a coordinate to come from the mutant (CR).");
+                "Probability that a coordinate comes from the mutant (CR).");
     visit.value("ring_neighbours", self.ring_neighbours, Range{1, 100},
-                "Neighbours on either side for the ring strategy.");
+                "Number of ring neighbours on either side, for current-to-ring-1-bin.");
   }
 };
 
@@ -55,7 +56,7 @@ struct DeMember {
 /// Which bound ended a search.
 enum class StopReason : std::uint8_t { kBudget, kDeadline };
 
-/// Differential Evolution in a box, three dimensions, maximising [storn1997de].
+/// Differential Evolution in a box, three dimensions, maximising [storn1997de; method 3].
 ///
 /// Each trial that is not worse replaces its parent at once. Memory is fixed at construction.
 /// Thread: owned by one thread. Real time: no allocation; exactly `evaluations` calls of the score, fewer at a deadline

@@ -15,7 +15,7 @@ struct ScoredPoint {
   double score = 0.0;  ///< more is better
 };
 
-/// Downhill simplex of Nelder and Mead (1965), maximising in three dimensions.
+/// Downhill simplex [nelder1965simplex; method 3], maximising in three dimensions.
 ///
 /// Starts from `start` and three points at `size` along the axes; `evaluations` calls of `score(const
 /// SearchPoint&)`, up to 4 more where the last step needs them, and at least 3. Fewer at a deadline, which is asked

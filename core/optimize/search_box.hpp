@@ -22,7 +22,8 @@ struct SearchBox {
   [[nodiscard]] SearchPoint at(const SearchPoint& fractions) const;
 };
 
-/// Element `index` (from 0) of the Halton sequence with bases 2, 3 and 5: even cover of the unit cube [halton1960].
+/// Element `index` (from 0) of the Halton sequence with bases 2, 3 and 5: even cover of the unit cube [halton1960;
+/// method 3].
 [[nodiscard]] SearchPoint halton(int index);
 
 [[nodiscard]] inline Pose2 to_pose(const SearchPoint& p) { return {p[0], p[1], p[2]}; }

@@ -30,8 +30,9 @@ struct ScanParams {
     visit.value("beams_max", self.beams_max, Range{8, 16384},
                 "Most beams that a scan may have; memory is set aside for them.");
     visit.value("range_min_m", self.range_min_m, Range{0.0, 10.0},
-                "Nearer returns are taken for the robot itself and ignored.");
-    visit.value("range_max_m", self.range_max_m, Range{0.5, 200.0}, "Farther returns count as no return.");
+                "Shortest range of a return; nearer ones are taken for the robot itself and ignored.");
+    visit.value("range_max_m", self.range_max_m, Range{0.5, 200.0},
+                "Longest range of a return; farther ones count as no return.");
   }
 };
 

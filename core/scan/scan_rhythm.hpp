@@ -8,9 +8,10 @@ namespace odoless {
 /// What the stamps of late say of the laser's period, and of how they waver about it. Fed with continuous stamps: who
 /// feeds it takes gaps out first.
 ///
-/// The period is the median slope over half a window, which a quarter of wrong stamps does not move. Whether stamps
-/// waver about a steady clock, or the scans themselves come unevenly, is told by second differences over 1 to 16 scans:
-/// those of an error of the stamp alone stay as they are, those of uneven scans grow with the span.
+/// The period is the median slope over half a window [theil1950rank; method 1], which a quarter of wrong stamps does
+/// not move. Whether stamps waver about a steady clock, or the scans themselves come unevenly, is told by second
+/// differences over 1 to 16 scans: those of an error of the stamp alone stay as they are, those of uneven scans grow
+/// with the span.
 ///
 /// Thread: owned by one thread. Real time: no allocation; time bounded by the window.
 class ScanRhythm {

@@ -16,18 +16,18 @@ struct BeamModelParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.value("sigma_m", self.sigma_m, Range{0.005, 2.0}, "Deviation of a range from the distance to what it hit.");
+    visit.value("sigma_m", self.sigma_m, Range{0.005, 2.0}, "Standard deviation of a range.");
     visit.value("floor", self.floor, Range{1e-6, 0.9}, "Likelihood of a beam that the map does not explain at all.");
     visit.value("unknown_rho_m", self.unknown_rho_m, Range{0.05, 1000.0},
-                "Mean distance that a beam travels in cells never seen.");
+                "Mean distance that a beam travels in unknown cells.");
     visit.value("unknown_likelihood", self.unknown_likelihood, Range{0.0, 1.0},
-                "Likelihood of a beam that ends where nothing was seen yet; 0: as published, by unknown_rho_m.");
+                "Likelihood of a beam that ends in unknown cells; 0: as published, by unknown_rho_m.");
     visit.value("rho_min_m", self.rho_min_m, Range{0.0005, 1.0},
-                "Least mean distance that a beam travels in a cell, however often beams stopped in it.");
+                "Smallest mean distance that a beam travels in an occupied cell.");
   }
 };
 
-/// How likely a beam is in a map of opacities, and what it adds to one [eliazar2004dpslam2].
+/// How likely a beam is in a map of opacities, and what it adds to one [eliazar2004dpslam2; method 6].
 ///
 /// In a cell with mean travel rho = distance / hits a beam stops within x with probability 1 - exp(-x / rho). The
 /// likelihood of a range z sums, over the cells on the beam's way, P(reach) P(stop in the cell) exp(-(z - m)^2 / 2

@@ -25,7 +25,8 @@ struct SegmentReport {
   std::int64_t outside_tiles = 0;
 };
 
-/// High-level DP-SLAM: a particle filter over whole segments of the low level's run [eliazar2004dpslam2, section 4].
+/// High-level DP-SLAM: a particle filter over whole segments of the low level's run [eliazar2004dpslam2, section 4;
+/// method 7].
 ///
 /// For each particle a segment is one motion, (1) drawn from the low level's paths plus drift, made better by a search
 /// in the particle's own map, and one observation, (2) which weighs the particle by some of the segment's scans. Then

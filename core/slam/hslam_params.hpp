@@ -18,11 +18,13 @@ struct DriftParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("match_ratio", self.match_ratio, Range{0.0, 10.0},
-                "Share of the matches' own deviations that the low level leaves.");
-    visit.value("sd_m_per_sqrt_m", self.sd_m_per_sqrt_m, Range{0.0, 1.0}, "Deviation of the position after 1 m.");
-    visit.value("sd_rad_per_sqrt_m", self.sd_rad_per_sqrt_m, Range{0.0, 1.0}, "Deviation of the heading after 1 m.");
+                "Share of the matches' standard deviations that remains after the low level.");
+    visit.value("sd_m_per_sqrt_m", self.sd_m_per_sqrt_m, Range{0.0, 1.0},
+                "Standard deviation of the position after 1 m of travel.");
+    visit.value("sd_rad_per_sqrt_m", self.sd_rad_per_sqrt_m, Range{0.0, 1.0},
+                "Standard deviation of the heading after 1 m of travel.");
     visit.value("sd_rad_per_sqrt_rad", self.sd_rad_per_sqrt_rad, Range{0.0, 1.0},
-                "Deviation of the heading after a turn of 1 rad.");
+                "Standard deviation of the heading after a turn of 1 rad.");
   }
 };
 
@@ -46,25 +48,29 @@ struct HslamParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.value("particles", self.particles, Range{0, 10'000}, "Hypotheses of the run; 0: the low level alone.");
+    visit.value("particles", self.particles, Range{0, 10'000},
+                "Number of particles of the high level; 0: the low level alone.");
     visit.value("segment_updates", self.segment_updates, Range{1, 200},
-                "Updates of the low level that make one motion and one observation of the high level.");
+                "Number of low-level updates in a segment, which is one motion and one observation of the high level.");
     visit.value("scans_weighed", self.scans_weighed, Range{1, 200},
-                "Most scans of a segment that weigh the particles, evenly picked; the map takes all.");
-    visit.value("beams_used", self.beams_used, Range{1, 16384}, "Most beams of such a scan, evenly picked.");
+                "Largest number of scans of a segment, evenly selected, that weight the particles; the map takes all.");
+    visit.value("beams_used", self.beams_used, Range{1, 16384},
+                "Largest number of beams, evenly selected, of such a scan.");
     visit.value("tempering", self.tempering, Range{0.0, 1.0},
-                "Exponent of a segment's likelihood, since its beams err together.");
+                "Exponent of a segment's likelihood, because the errors of its beams are correlated.");
     visit.value("resample_below", self.resample_below, Range{0.0, 1.0},
-                "Share of the particles; with fewer effective ones the filter resamples.");
-    visit.value("wide_share", self.wide_share, Range{0.0, 1.0}, "Share of the draws of the drift that are wider.");
-    visit.value("wide_factor", self.wide_factor, Range{1.0, 20.0}, "How many times wider they are.");
+                "Effective sample size, as a share of the particles, below which the filter resamples.");
+    visit.value("wide_share", self.wide_share, Range{0.0, 1.0},
+                "Share of the drift samples that are drawn from a wider distribution.");
+    visit.value("wide_factor", self.wide_factor, Range{1.0, 20.0}, "Factor by which that distribution is wider.");
     visit.value("refine_steps", self.refine_steps, Range{0, 50},
-                "Rounds of a search for a better drift around each draw, in the particle's own map.");
-    visit.value("refine_step", self.refine_step, Range{0.01, 3.0}, "First step of that search, in deviations.");
+                "Rounds of a search that refines the drift of each particle in its own map.");
+    visit.value("refine_step", self.refine_step, Range{0.01, 3.0},
+                "First step of that refinement, in standard deviations.");
     visit.value("free_no_return_m", self.free_no_return_m, Range{0.0, 200.0},
-                "Way that a beam without return clears in the map; 0: it says nothing.");
+                "Distance up to which a beam without return marks free space in the map; 0: it marks none.");
     visit.value("path_records_max", self.path_records_max, Range{1024, 100'000'000},
-                "Pool of poses of the particles' paths; at least 16 segments per particle.");
+                "Most poses of the particles' trajectories; at least 16 segments per particle.");
     visit.group("drift", self.drift, "How far a segment's motion may be off.");
     visit.group("beam", self.beam, "Likelihood of a beam.");
     visit.group("grid", self.grid, "The particles' maps.");

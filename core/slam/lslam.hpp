@@ -47,7 +47,7 @@ struct PoseEstimate {
   double agreement = 1.0;  ///< weight of the particles that are as near to it as OK promises
 };
 
-/// Low-level DP-SLAM: a particle filter over poses and maps [eliazar2003dpslam, eliazar2004dpslam2].
+/// Low-level DP-SLAM: a particle filter over poses and maps [eliazar2003dpslam, eliazar2004dpslam2; method 7].
 ///
 /// An update (1) draws each particle's pose from the scan-matching motion model, about one of the motion's hypotheses,
 /// (2) weighs it by the scan's likelihood

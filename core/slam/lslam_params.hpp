@@ -26,29 +26,29 @@ struct LslamParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.value("particles", self.particles, Range{1, 10'000}, "Hypotheses of pose and map.");
+    visit.value("particles", self.particles, Range{1, 10'000},
+                "Number of particles, each a hypothesis of trajectory and map.");
     visit.value("beams_used", self.beams_used, Range{1, 16384},
-                "Most beams of a scan that weigh the particles, evenly picked; the map takes all.");
-    visit.value(
-        "tempering", self.tempering, Range{0.0, 1.0},
-        "Exponent of a scan's likelihood, since its beams err together and not independently; 1: as published.");
+                "Largest number of beams, evenly selected, that weight the particles; the map takes all.");
+    visit.value("tempering", self.tempering, Range{0.0, 1.0},
+                "Exponent of a scan's likelihood, because the errors of its beams are correlated; 1: as published.");
     visit.value("resample_below", self.resample_below, Range{0.0, 1.0},
-                "Share of the particles; with fewer effective ones the filter resamples.");
+                "Effective sample size, as a share of the particles, below which the filter resamples.");
     visit.value("refine_steps", self.refine_steps, Range{0, 50},
-                "Rounds of a search for a better pose around each sample, in the particle's own map; 0: as published.");
-    visit.value("refine_step_m", self.refine_step_m, Range{0.0005, 1.0}, "First step of that search along x and y.");
-    visit.value("refine_step_rad", self.refine_step_rad, Range{0.0001, 0.5}, "First step of that search in yaw.");
+                "Rounds of a search that refines the proposal of each particle in its own map; 0: none, as published.");
+    visit.value("refine_step_m", self.refine_step_m, Range{0.0005, 1.0}, "First step of the refinement along x and y.");
+    visit.value("refine_step_rad", self.refine_step_rad, Range{0.0001, 0.5}, "First step of the refinement in yaw.");
     visit.flag("weigh_no_return", self.weigh_no_return,
-               "Whether a beam without return speaks for free space up to the laser's range in the weights.");
+               "Whether a beam without return is evidence, in the weights, for free space up to the laser's range.");
     visit.value("free_no_return_m", self.free_no_return_m, Range{0.0, 200.0},
-                "Way that a beam without return clears in the map; 0: it says nothing.");
+                "Distance up to which a beam without return marks free space in the map; 0: it marks none.");
     visit.value("path_records_max", self.path_records_max, Range{1024, 100'000'000},
-                "Pool of poses of the particles' paths; at least 16 per particle, older ones are thinned when full.");
-    visit.value(
-        "forget_after_m", self.forget_after_m, Range{0.0, 1e6},
-        "Travel after which the filter forgets a part of its map that no beam has met since, for the pose graph "
-        "has it, and drift makes it worthless; 0: never.");
-    visit.group("motion", self.motion, "Scan-matching motion model.");
+                "Most poses of the particles' trajectories; at least 16 per particle; when they are full, older ones "
+                "are thinned.");
+    visit.value("forget_after_m", self.forget_after_m, Range{0.0, 1e6},
+                "Travel after which the filter forgets a part of its map that it has not seen since; the pose graph "
+                "keeps it; 0: never.");
+    visit.group("motion", self.motion, "Motion model of scan matching.");
     visit.group("beam", self.beam, "Likelihood of a beam.");
     visit.group("grid", self.grid, "The particles' maps.");
   }

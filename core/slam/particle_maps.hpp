@@ -19,7 +19,7 @@ struct PoseSpread {
   double sd_rad = 0.0;
 };
 
-/// Particles of pose, weight, map and path: what both levels of the filter are made of [eliazar2003dpslam].
+/// Particles of pose, weight, map and path: what both levels of the filter are made of [eliazar2003dpslam; method 6].
 ///
 /// A step of a filter moves the poses, adds to the log-weights, calls `normalise`, then either leaves it at that or
 /// chooses survivors. Scans are put into maps once per survivor, before these multiply: between `retain` and

@@ -8,11 +8,12 @@ namespace odoless {
 /// minus infinity, but not for all.
 void normalise_weights(std::span<const double> log_weights, std::span<double> weights);
 
-/// Number of equally weighted particles that would be worth as much: 1 / sum of squares [liu1996metropolized].
+/// Number of equally weighted particles that would be worth as much: 1 / sum of squares [liu1996metropolized; method
+/// 7].
 [[nodiscard]] double effective_particles(std::span<const double> weights);
 
-/// Systematic resampling [carpenter1999improved]: how often each particle goes on, `wanted` times in all. Particle i
-/// gets weights[i] * wanted copies, rounded up or down.
+/// Systematic resampling [carpenter1999improved; method 7]: how often each particle goes on, `wanted` times in all.
+/// Particle i gets weights[i] * wanted copies, rounded up or down.
 ///
 /// @param weights  Sum 1, up to rounding.
 /// @param offset   Uniform in [0, 1), the only chance in it.

@@ -21,33 +21,34 @@ struct ConfidenceParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("drift_per_m", self.drift_per_m, Range{0.0, 1.0},
-                "Probability, per metre travelled, that the error grows beyond what OK allows.");
+                "Probability per metre of travel that the error grows beyond what OK allows.");
     visit.value("mend_per_s", self.mend_per_s, Range{0.0, 10.0},
-                "Rate at which the filter mends a pose that drifted, once it sees the place again.");
+                "Rate at which the filter corrects a drifted pose, by closing loops.");
     visit.value("against_fit", self.against_fit, Range{0.0, 1.0},
-                "Fit of a scan to the map, as a share of the usual fit, below which it speaks against the pose.");
-    visit.value("for_fit", self.for_fit, Range{0.0, 1.0}, "The same above which it speaks for the pose.");
+                "Fit of a scan to the map, as a share of the usual fit, below which it is evidence against the pose.");
+    visit.value("for_fit", self.for_fit, Range{0.0, 1.0},
+                "Fit of a scan to the map, as a share of the usual fit, above which it is evidence for the pose.");
     visit.value("evidence_per_fit", self.evidence_per_fit, Range{0.0, 100.0},
-                "Logarithm of the odds that one more unit of that share adds, or takes.");
+                "Evidence, as logarithm of the odds, per unit of that share.");
     visit.value("for_max", self.for_max, Range{0.0, 10.0},
-                "Most that one scan speaks for the pose: successive scans say much the same.");
-    visit.value("against_max", self.against_max, Range{0.0, 10.0}, "Most that one scan speaks against the pose.");
+                "Largest evidence of one scan for the pose; the evidence of successive scans is correlated.");
+    visit.value("against_max", self.against_max, Range{0.0, 10.0}, "Largest evidence of one scan against the pose.");
     visit.value("elsewhere", self.elsewhere, Range{0.0, 20.0},
-                "How much speaks against the pose that a search of the map found another one, which alone fits.");
-    visit.value(
-        "nowhere_else", self.nowhere_else, Range{0.0, 20.0},
-        "How much speaks for the pose that a search of the map found no other: the map may lack the right place.");
+                "Evidence against the pose where global localisation finds another pose, and only that one.");
+    visit.value("nowhere_else", self.nowhere_else, Range{0.0, 20.0},
+                "Evidence for the pose where global localisation finds no other pose; small, because the map may lack "
+                "the right place.");
     visit.value("evidence_period_s", self.evidence_period_s, Range{0.001, 10.0},
-                "Scans that follow each other faster count less, by their share of this time.");
+                "Time that a scan stands for; scans at a higher rate count less, by their share of it.");
     visit.value("found_probability", self.found_probability, Range{0.01, 0.99},
-                "Probability that a relocalised pose is right, before further scans confirm it.");
+                "Probability that a pose is right just after relocalisation.");
   }
 };
 
-/// Probability that the pose is right, as a hidden Markov model [rabiner1989hmm] of three states: the pose is right; it
-/// drifted beyond what OK allows, while tracking goes on, which the filter mends by itself when a loop closes; or it
-/// jumped, which only relocalisation mends. A step that is not certain to be right leads to the third state; each scan
-/// that is compared with the map is evidence for the first or against it.
+/// Probability that the pose is right, as a hidden Markov model [rabiner1989hmm; method 8] of three states: the pose is
+/// right; it drifted beyond what OK allows, while tracking goes on, which the filter mends by itself when a loop
+/// closes; or it jumped, which only relocalisation mends. A step that is not certain to be right leads to the third
+/// state; each scan that is compared with the map is evidence for the first or against it.
 ///
 /// Thread: owned by one thread. Real time: no allocation, constant time.
 class PoseConfidence {

@@ -12,8 +12,8 @@ struct ScoredPose {
   double score = 0.0;
 };
 
-/// Climbs to a better pose by a pattern search [hooke1961direct]: each round tries a step either way along each axis of
-/// the map and in yaw, goes on from the best, and halves the steps when none is better.
+/// Climbs to a better pose by a pattern search [hooke1961direct; method 7]: each round tries a step either way along
+/// each axis of the map and in yaw, goes on from the best, and halves the steps when none is better.
 ///
 /// Real time: no allocation; at most 1 + 6 * rounds scores.
 /// @param score  Pose2 to double, higher is better; deterministic.

@@ -22,23 +22,23 @@ struct TrackingParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("fit_sigma_m", self.fit_sigma_m, Range{0.01, 2.0},
-                "Deviation of a range from the map at which a beam still half fits.");
+                "Standard deviation of a range in the comparison of a scan with the map.");
     visit.value("fit_min", self.fit_min, Range{0.0, 1.0},
-                "A scan that fits no particle's map better than this is not mapped.");
+                "Least fit of a scan, in the map of any particle, with which it is mapped.");
     visit.value("usual_share", self.usual_share, Range{0.0, 1.0},
-                "Share of the usual fit that a candidate must reach to be the robot's pose.");
+                "Least fit, as a share of the usual fit, of a candidate for the robot's pose.");
     visit.value("sure_probability", self.sure_probability, Range{0.5, 1.0},
-                "The state is OK where the pose is right with at least this probability.");
+                "The state is OK from this probability on that the pose is right.");
     visit.value("map_probability", self.map_probability, Range{0.0, 1.0},
-                "Nothing is mapped where the probability that tracking went on is less.");
+                "Nothing is mapped below this probability that tracking was kept.");
     visit.value("lost_probability", self.lost_probability, Range{0.5, 1.0},
-                "Tracking is lost where it broke off with at least this probability.");
+                "Tracking counts as lost from this probability on that it broke off.");
     visit.value("leap_m", self.leap_m, Range{0.0, 10.0},
-                "Where steps from scan to scan are usually larger than this, scans are too far apart to tell a robot "
-                "that is lost.");
-    visit.value("leap_rad", self.leap_rad, Range{0.0, 3.2}, "The same of a turn.");
+                "Usual motion from scan to scan above which scans are too far apart to detect lost tracking.");
+    visit.value("leap_rad", self.leap_rad, Range{0.0, 3.2},
+                "Usual rotation from scan to scan above which scans are too far apart to detect lost tracking.");
     visit.value("updates_min", self.updates_min, Range{1, 1'000'000},
-                "Updates of the filter before which its map is too small to be lost in.");
+                "Number of filter updates before tracking can be lost; the map is too small until then.");
   }
 };
 
@@ -56,20 +56,25 @@ struct RelocaliserParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.group("global", self.global, "Where it may be, by one scan.");
+    visit.group("global", self.global, "Global localisation by one scan.");
     visit.value("evaluations_per_s", self.evaluations_per_s, Range{1000.0, 1e8},
-                "Poses looked at per second of scans: what a scan's slice of the search may cost.");
-    visit.value("found_fit", self.found_fit, Range{0.0, 1.0}, "Mean fit of a candidate that can be the robot.");
+                "Evaluations of the search per second of scans: bounds its CPU time per scan.");
+    visit.value("found_fit", self.found_fit, Range{0.0, 1.0},
+                "Least mean fit of a candidate that is accepted as the robot's pose.");
     visit.value("rival_ratio", self.rival_ratio, Range{0.0, 1.0},
-                "Another candidate that fits this share of the best leaves the robot lost.");
-    visit.value("found_after_s", self.found_after_s, Range{0.0, 60.0}, "Time for which candidates are followed.");
+                "Fit of a second candidate, as a share of the best, above which the place is ambiguous and tracking "
+                "stays lost.");
+    visit.value("found_after_s", self.found_after_s, Range{0.0, 60.0},
+                "Time for which candidates are followed before one is accepted.");
     visit.value("give_up_after_s", self.give_up_after_s, Range{0.1, 600.0},
-                "Time after which the search begins anew where candidates stay as good as each other.");
+                "Time after which an ambiguous search is repeated.");
     visit.value("resume_after_s", self.resume_after_s, Range{0.0, 1e6},
-                "Time of scans that match each other after which a robot that was not found goes on from where its "
-                "odometry has it, in doubt until it is found or told; 0: never.");
-    visit.value("spread_m", self.spread_m, Range{0.0, 5.0}, "Deviation of the particles where the robot is found.");
-    visit.value("spread_rad", self.spread_rad, Range{0.0, 1.0}, "The same of their yaw.");
+                "Time of good matches after which a robot that could not be relocalised continues from laser odometry, "
+                "in state DEGRADED until it is relocalised or its pose is set; 0: never.");
+    visit.value("spread_m", self.spread_m, Range{0.0, 5.0},
+                "Standard deviation of the particles after relocalisation, along x and y.");
+    visit.value("spread_rad", self.spread_rad, Range{0.0, 1.0},
+                "Standard deviation of the particles after relocalisation, in yaw.");
   }
 };
 
@@ -82,10 +87,10 @@ struct RecoveryParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.flag("enabled", self.enabled, "Whether the filter may take itself for lost, and look for itself in the map.");
-    visit.group("tracking", self.tracking, "From when on the robot is lost.");
-    visit.group("confidence", self.confidence, "How the probability that the pose is right goes and comes.");
-    visit.group("search", self.search, "How it is sought in the map.");
+    visit.flag("enabled", self.enabled, "Whether the filter detects that tracking is lost, and relocalises.");
+    visit.group("tracking", self.tracking, "When tracking is lost.");
+    visit.group("confidence", self.confidence, "Probability that the pose is right.");
+    visit.group("search", self.search, "Relocalisation.");
   }
 };
 

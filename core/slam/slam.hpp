@@ -13,8 +13,8 @@
 
 namespace odoless {
 
-/// Hierarchical DP-SLAM [eliazar2004dpslam2]: LSLAM follows the scans; its run is cut into segments, over which HSLAM
-/// keeps hypotheses of the whole run that live long enough to close loops.
+/// Hierarchical DP-SLAM [eliazar2004dpslam2; method 7]: LSLAM follows the scans; its run is cut into segments, over
+/// which HSLAM keeps hypotheses of the whole run that live long enough to close loops.
 ///
 /// HSLAM works on a segment while LSLAM fills the next, a slice with every call of `work`; a segment is done before the
 /// next one ends as long as `work` is called once per update.

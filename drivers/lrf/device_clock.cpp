@@ -148,8 +148,8 @@ void DeviceClock::fit() {
 }
 
 // The mirror turns evenly, so that between the whole milliseconds of the counter lies what the turns before it predict.
-// An alpha-beta filter with the gains of a line fitted to all scans so far, at most kTurnsRemembered [brookner1998],
-// held within the millisecond that the counter tells.
+// An alpha-beta filter with the gains of a line fitted to all scans so far, at most kTurnsRemembered
+// [brookner1998tracking], held within the millisecond that the counter tells.
 double DeviceClock::even_s(double counter_s) {
   const double middle_s = counter_s + kResolutionS / 2.0;
   const double turns = std::round((middle_s - even_s_) / turn_s_);

@@ -97,7 +97,7 @@ struct LrfParams {
         "Rate of the serial line, which Hokuyo and SICK lasers are switched to; 0: the one that the laser has "
         "(USB has none). Of a SICK, RPLIDAR, LDROBOT or YDLIDAR on tcp:// or usb://: what the far end's line has, for "
         "the stamps.");
-    visit.choice("reading", self.reading, kLrfReadingNames, "What the laser sends of each beam.");
+    visit.choice("reading", self.reading, kLrfReadingNames, "Data that the laser sends per beam.");
     visit.value("cluster", self.cluster, Range{1, 99}, "Neighbouring beams that the laser joins to one, the nearest.");
     visit.value("skip", self.skip, Range{0, 9}, "Scans that the laser leaves out after each one that it sends.");
     visit.flag(
@@ -129,9 +129,9 @@ struct LrfParams {
     visit.choice("sopas_scan", self.sopas_scan, kSopasScanNames,
                  "Rate in Hz and step in degrees that an LMS1xx is set to; as_set: those it has.");
     visit.value("reply_timeout_ns", self.reply_timeout_ns, Range<std::int64_t>{10'000'000, 10'000'000'000},
-                "Time for an answer while the laser is brought up.");
+                "Longest time for an answer while the laser is started.");
     visit.value("stall_timeout_ns", self.stall_timeout_ns, Range<std::int64_t>{50'000'000, 60'000'000'000},
-                "Time without a good scan after which the laser is brought up anew.");
+                "Time without a good scan after which the laser is restarted.");
   }
 };
 

@@ -70,7 +70,7 @@ struct TiltParams {
     constexpr double kHalfTurnRad = 3.1416;
     visit.choice("driver", self.driver, kTiltDriverNames, "Protocol of the servo that tilts the laser; none: fixed.");
     visit.text("device", self.device, "CAN interface (cia402) or path of the serial line (the others).");
-    visit.value("id", self.id, Range{1, 127}, "The servo's number on its bus.");
+    visit.value("id", self.id, Range{1, 127}, "Number of the servo on its bus.");
     visit.value("baud", self.baud, Range{0, 4'500'000},
                 "Rate of the serial line; 0 for one without (dynamixel, maestro).");
     visit.choice("at_start", self.at_start, kTiltCommandNames, "What the servo does from the start on.");
@@ -91,14 +91,17 @@ struct TiltParams {
   static void describe_motion(Self& self, Visitor& visit) {
     constexpr double kHalfTurnRad = 3.1416;
     visit.value("limit_min_rad", self.limit_min_rad, Range{-kHalfTurnRad, 0.0},
-                "Lowest angle that is ever asked for; angles count from the level pose, positive is down.");
-    visit.value("limit_max_rad", self.limit_max_rad, Range{0.0, kHalfTurnRad}, "Highest angle ever asked for.");
+                "Lowest angle that the servo is sent to; angles count from the level pose, positive is down.");
+    visit.value("limit_max_rad", self.limit_max_rad, Range{0.0, kHalfTurnRad},
+                "Highest angle that the servo is sent to.");
     visit.value("sweep_from_rad", self.sweep_from_rad, Range{-kHalfTurnRad, kHalfTurnRad},
                 "One end of the sweep; cut to the limits.");
-    visit.value("sweep_to_rad", self.sweep_to_rad, Range{-kHalfTurnRad, kHalfTurnRad}, "The other end.");
+    visit.value("sweep_to_rad", self.sweep_to_rad, Range{-kHalfTurnRad, kHalfTurnRad},
+                "Other end of the sweep; cut to the limits.");
     visit.value("speed_radps", self.speed_radps, Range{0.01, 20.0}, "Speed of the servo.");
     visit.value("acceleration_radps2", self.acceleration_radps2, Range{0.1, 1000.0}, "Acceleration of the servo.");
-    visit.value("tolerance_rad", self.tolerance_rad, Range{0.0005, 0.1}, "How near to an angle counts as there.");
+    visit.value("tolerance_rad", self.tolerance_rad, Range{0.0005, 0.1},
+                "Largest difference from a target angle at which it counts as reached.");
     visit.value("level_tolerance_rad", self.level_tolerance_rad, Range{0.001, 0.2},
                 "How far from level the laser may be for 2D SLAM to take its scan.");
   }
@@ -106,12 +109,12 @@ struct TiltParams {
   template <class Self, class Visitor>
   static void describe_times(Self& self, Visitor& visit) {
     visit.value("sample_period_ns", self.sample_period_ns, Range<std::int64_t>{2'000'000, 100'000'000},
-                "From one measured angle to the next.");
+                "Period of the angle measurements.");
     visit.value("heartbeat_period_ns", self.heartbeat_period_ns, Range<std::int64_t>{20'000'000, 2'000'000'000},
                 "From one sign of life to the next; without one for three of these the servo counts as lost, and stops "
                 "when it hears nothing of the daemon for as long.");
     visit.value("reply_timeout_ns", self.reply_timeout_ns, Range<std::int64_t>{5'000'000, 2'000'000'000},
-                "Time for an answer of the servo.");
+                "Longest time for an answer of the servo.");
     visit.value("stall_timeout_ns", self.stall_timeout_ns, Range<std::int64_t>{30'000'000, 10'000'000'000},
                 "Time without movement, where there should be some, after which the servo is stopped; a low speed or "
                 "acceleration makes it longer.");
@@ -135,7 +138,7 @@ struct TiltParams {
         "needed.");
     visit.value("homing_speed_radps", self.homing_speed_radps, Range{0.001, 10.0}, "cia402: speed of homing.");
     visit.value("homing_timeout_ns", self.homing_timeout_ns, Range<std::int64_t>{100'000'000, 600'000'000'000},
-                "cia402: longest homing.");
+                "cia402: longest time that homing may take.");
   }
 
   template <class Self, class Visitor>

@@ -62,10 +62,10 @@ struct DaemonParams {
     visit.group("lcm", self.lcm, "What is published.");
     visit.group("pipeline", self.pipeline, "Threads, queues and time budgets of the daemon.");
     visit.group("recorder", self.recorder, "The log of all messages.");
-    visit.group("health", self.health, "From when on something counts as wrong.");
+    visit.group("health", self.health, "Thresholds of the health report.");
     visit.group("control", self.control, "Commands to the daemon.");
     visit.group("web", self.web, "The page that shows in a browser what the daemon does.");
-    visit.group("world", self.world, "The file that what is mapped is kept in.");
+    visit.group("world", self.world, "World file, in which the map is kept.");
     RobotParams::describe(self.robot, visit);
   }
 };

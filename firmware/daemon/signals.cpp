@@ -45,7 +45,7 @@ void end_if_it_is_time(int /*signal*/) {
   if (monotonic_ns() < end_ns) {
     return;
   }
-  constexpr std::string_view kLast = "odolessd: error: the end takes too long\n";
+  constexpr std::string_view kLast = "odolessd: error: the shutdown takes too long\n";
   static_cast<void>(!::write(STDERR_FILENO, kLast.data(), kLast.size()));
   ::_exit(status_in_the_end);
 }

@@ -207,7 +207,7 @@ bool Supervisor::watch() {
   }
   log_line(
       EventPriority::kCritical,
-      fmt::format("the {} stage hangs: the daemon ends, to be started again (pipeline.watchdog_ms)", silence.stage));
+      fmt::format("the {} stage does not answer: ending, to be restarted (pipeline.watchdog_ms)", silence.stage));
   return false;
 }
 
@@ -347,7 +347,7 @@ void Supervisor::wait_for_saver() {
     const std::string doing = is_saving ? saver_.status().doing : "writing the world file";
     const std::int64_t now_ns = machine_.clock().now_ns();
     if ((is_saving ? now_ns - saver_.progress_ns() : world->since_progress_ns()) > kStuck_ns) {
-      log_line(EventPriority::kCritical, fmt::format("saving does not get on ({}): given up", doing));
+      log_line(EventPriority::kCritical, fmt::format("saving makes no progress ({}): given up", doing));
       ::_exit(EX_CANTCREAT);
     }
     if (now_ns >= next_watch_ns_) {

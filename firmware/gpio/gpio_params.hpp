@@ -50,12 +50,12 @@ struct GpioParams {
     visit.value("power_cycle_after_ns", self.power_cycle_after_ns, Range<std::int64_t>{1'000'000'000, 600'000'000'000},
                 "Time without a scan after which the laser is switched off and on again.");
     visit.value("power_off_ns", self.power_off_ns, Range<std::int64_t>{10'000'000, 60'000'000'000},
-                "How long it is off then.");
+                "Time for which the power stays off.");
     visit.text("led_line", self.led_line, "Output of the status light; empty: none.");
-    visit.choice("led_level", self.led_level, kPinLevelNames, "Level at which it shines.");
+    visit.choice("led_level", self.led_level, kPinLevelNames, "Level at which the light is on.");
     visit.value("priority", self.priority, Range{0, 98},
-                "Priority (SCHED_FIFO) of the thread that serves these lines; 0: an ordinary thread. Held up for 60 ms "
-                "it is a stop, where there is a stop_line.");
+                "Priority (SCHED_FIFO) of the thread that serves these lines; 0: an ordinary thread. A delay of 60 ms "
+                "counts as an emergency stop where there is a stop_line.");
   }
 };
 

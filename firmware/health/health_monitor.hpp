@@ -20,14 +20,16 @@ struct HealthParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("silent_periods", self.silent_periods, Range{1.1, 100.0},
-                "Scan periods without a scan after which the laser counts as silent.");
+                "Time without a scan, in scan periods, after which the laser counts as silent.");
     visit.value("fault_after_ns", self.fault_after_ns, Range<std::int64_t>{10'000'000, 60'000'000'000},
-                "Time without a scan after which there is no pose to be used any more.");
-    visit.value("poor_matches", self.poor_matches, Range{1, 1000}, "Poor matches in a row that count.");
+                "Time without a scan after which the state is FAULT and the pose must not be used.");
+    visit.value("poor_matches", self.poor_matches, Range{1, 1000},
+                "Number of rejected or ambiguous matches in a row after which health reports them.");
     visit.value("weak_information_1_m2", self.weak_information_1_m2, Range{0.0, 1e6},
-                "Curvature of the fitness along a direction below which the scene does not hold that direction.");
+                "Curvature of the fitness along a direction below which the scene counts as degenerate: that direction "
+                "is unconstrained.");
     visit.value("deadline_memory_ns", self.deadline_memory_ns, Range<std::int64_t>{0, 600'000'000'000},
-                "Time for which a missed deadline, a dropped scan or a refused record stays a reason.");
+                "Time for which health reports a missed deadline, a dropped scan or a refused record.");
   }
 };
 

@@ -29,10 +29,10 @@ struct LcmParams {
         "key_file", self.key_file,
         "File with a key of 64 hexadecimal digits: scans and motions are sent with an HMAC-SHA-256, and only such "
         "are taken from others; empty: none is sent or asked for.");
-    visit.text("prefix", self.prefix, "Stands before the name of every channel.");
+    visit.text("prefix", self.prefix, "Prefix of the name of every channel.");
     visit.value("map_refresh_s", self.map_refresh_s, Range{0.5, 3600.0},
-                "Time in which every tile of the map is sent again.");
-    visit.value("overview_s", self.overview_s, Range{0.2, 3600.0}, "Time between two messages of the whole map.");
+                "Period in which every tile of the map is sent again.");
+    visit.value("overview_s", self.overview_s, Range{0.2, 3600.0}, "Period of the message with the whole map.");
     visit.value("send_again", self.send_again, Range{0, 9},
                 "How often a scan or motion for a filter elsewhere is sent again before the next message, and as often "
                 "before the one after it, so that lost datagrams cost nothing; at 40 Hz and 1081 beams 0.7 MB/s each.");

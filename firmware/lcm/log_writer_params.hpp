@@ -15,13 +15,14 @@ struct LogWriterParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.text("path", self.path, "Files PATH.00000.lcm, PATH.00001.lcm and so on are written; empty: none.");
+    visit.text("path", self.path,
+               "Path of the recording; files PATH.00000.lcm, PATH.00001.lcm and so on are written; empty: none.");
     visit.value("file_max_mb", self.file_max_mb, Range{1, 100'000}, "Size at which the next file begins.");
     visit.value("total_max_mb", self.total_max_mb, Range{1, 10'000'000},
                 "Size of all these files together, also those of earlier runs: the oldest are deleted before a new one "
                 "would exceed it.");
     visit.value("sync_s", self.sync_s, Range{0.1, 3600.0},
-                "Time after which a power cut cannot take what was written.");
+                "Period in which the recording is written through to the disk; a power cut loses at most this.");
   }
 };
 

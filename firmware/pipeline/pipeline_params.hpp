@@ -25,21 +25,23 @@ struct PipelineParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("scan_queue", self.scan_queue, Range{1, 1024},
-                "Scans that may wait for the matcher; the oldest goes when one more comes, and is counted.");
-    visit.value("motion_queue", self.motion_queue, Range{1, 4096},
-                "Motions that may wait for the filter; when it is full the matcher adds them up.");
+                "Scans that can wait for the matcher; when the queue is full the oldest is dropped and counted.");
+    visit.value(
+        "motion_queue", self.motion_queue, Range{1, 4096},
+        "Motions that can wait for the filter; when the queue is full the matcher adds them up, so that none is lost.");
     visit.value("matcher_budget_ns", self.matcher_budget_ns, Range<std::int64_t>{1'000'000, 10'000'000'000},
                 "CPU time for one match; after three quarters of it the search ends with the best so far. Not used in "
                 "a replay.");
     visit.value("filter_budget_ns", self.filter_budget_ns, Range<std::int64_t>{1'000'000, 10'000'000'000},
                 "CPU time for one update of the filter; particles adapt to it. Not used in a replay.");
     visit.value("scan_budget_ns", self.scan_budget_ns, Range<std::int64_t>{1'000'000, 20'000'000'000},
-                "CPU time for both: the filter has no more than the match of its scan has left. Not used in a replay.");
-    visit.value("particles_min", self.particles_min, Range{1, 10'000}, "Particles that stay, whatever the time.");
+                "CPU time for match and filter update of one scan together: the filter gets what the match has left. "
+                "Not used in a replay.");
+    visit.value("particles_min", self.particles_min, Range{1, 10'000}, "Fewest particles, however short the time is.");
     visit.value(
         "watchdog_ns", self.watchdog_ns, Range<std::int64_t>{50'000'000, 60'000'000'000},
-        "A stage that does not answer for so long has hung, time that it waits for a processor aside: the daemon ends "
-        "with status 70, to be restarted. Five times as long in a replay.");
+        "Time without an answer after which a stage counts as hung, time that it waits for a processor aside: the daemon "
+        "ends with status 70, to be restarted. Five times as long in a replay.");
     visit.value("sensor_priority", self.sensor_priority, Range{0, 98},
                 "Priority (SCHED_FIFO) of the sensor thread; 0: an ordinary thread.");
     visit.value("matcher_priority", self.matcher_priority, Range{0, 98}, "The same of the matcher thread.");

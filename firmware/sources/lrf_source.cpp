@@ -35,7 +35,7 @@ EventText refusal(Errc reason) {
     case Errc::kWrongSum:
       return "laser: refused: a check sum of what it says of itself does not match";
     default:
-      return "laser: refused while it is brought up (reason {})";
+      return "laser: refused while it is started (reason {})";
   }
 }
 
@@ -204,7 +204,7 @@ void LrfSource::on_event(const LrfEvent& event) {
     case LrfEventType::kLost:
       is_lost_ = true;
       return tell_once(Errc::kDeviceSilent, EventPriority::kWarning,
-                       "laser: silent or its stream ended; it is brought up again");
+                       "laser: no data, or its connection closed; restarting it");
     case LrfEventType::kUnanswered:
       is_lost_ = true;
       return tell_once(kUnanswered, EventPriority::kWarning,

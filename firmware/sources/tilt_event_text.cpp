@@ -142,17 +142,17 @@ EventText lost_text(Errc reason) {
     case Errc::kDeviceSilent:
       return "tilt servo: it does not answer, and is asked again and again (has it power? tilt.id, bit rate, wires?)";
     case Errc::kDeviceStatus:
-      return "tilt servo: lost: it has an error, or somebody else stopped it; it is brought up again";
+      return "tilt servo: lost: it has an error, or something else stopped it; restarting it";
     case Errc::kWrongDevice:
       return "tilt servo: what answers is another device (tilt.id); it is asked again and again";
     case Errc::kDeviceRestarted:
-      return "tilt servo: it has started anew, or was switched off; it is brought up again";
+      return "tilt servo: it restarted or was switched off; initialising it";
     case Errc::kBusOff:
       return "tilt servo: too many errors on its bus: the CAN controller has left it (bit rate, wires, termination?)";
     case Errc::kHomingFailed:
       return "tilt servo: it does not find its zero (tilt.homing_method, tilt.homing_timeout_ms); it is tried again";
     default:
-      return "tilt servo: lost; it is brought up again";
+      return "tilt servo: lost; reconnecting";
   }
 }
 

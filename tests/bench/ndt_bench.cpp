@@ -88,7 +88,7 @@ void match_pair(benchmark::State& state, const MatcherParams& params) {
   state.SetLabel(pair.label);
 }
 
-// The seed's N = 100, G = 50, looked up in the raster as the product does.
+// The dissertation's N = 100, G = 50, looked up in the raster as the product does.
 void BM_SeedMatch(benchmark::State& state) {
   MatcherParams params = seed_matcher_params();
   params.search.exact = false;
@@ -96,7 +96,7 @@ void BM_SeedMatch(benchmark::State& state) {
 }
 BENCHMARK(BM_SeedMatch)->Unit(benchmark::kMillisecond);
 
-// The same on the exact score, as the seed did.
+// The same on the exact score, as the dissertation did.
 void BM_ExactSeedMatch(benchmark::State& state) { match_pair(state, seed_matcher_params()); }
 BENCHMARK(BM_ExactSeedMatch)->Unit(benchmark::kMillisecond);
 

@@ -3,7 +3,7 @@
 
 usage: speed_test.py BENCH_CORE
 
-The ratio of the two scores compares medians of one run only; the seed's match and the lasers' streams are CPU time. So a busy machine, which
+The ratio of the two scores compares medians of one run only; the dissertation's match and the lasers' streams are CPU time. So a busy machine, which
 slows all alike, does not fail it.
 """
 

@@ -3,10 +3,13 @@
 import pathlib
 import sys
 
+import architecture
 import arrows
+import documents
 import elementary
 import exceptions
 import format as formatting
+import method
 import paths
 import readmes
 import sizes
@@ -14,10 +17,13 @@ import sources
 import units
 
 CHECKS = {
+    "architecture": architecture.problems,
     "arrows": arrows.problems,
+    "documents": documents.problems,
     "elementary": elementary.problems,
     "exceptions": exceptions.problems,
     "format": formatting.problems,
+    "method": method.problems,
     "paths": paths.problems,
     "readmes": readmes.problems,
     "sizes": sizes.problems,
@@ -28,7 +34,7 @@ CHECKS = {
 def main():
     name, root = sys.argv[1], pathlib.Path(sys.argv[2])
     files = sources.read_all(root)
-    found = CHECKS[name](files, root) if name == "format" else CHECKS[name](files)
+    found = CHECKS[name](files, root) if name in ("architecture", "format") else CHECKS[name](files)
     print("\n".join(found) if found else f"{name}: {len(files)} files are right")
     return 1 if found else 0
 

@@ -1,19 +1,61 @@
 """Each check fails on a bad example, says where, and lets a good one pass."""
 
+import importlib.machinery
+import importlib.util
 import pathlib
 import subprocess
 import tempfile
 import unittest
 
+import architecture
 import arrows
+import documents
 import elementary
 import exceptions
 import format as formatting
+import method
 import paths
 import readmes
 import sizes
 import sources
 import units
+
+
+class Architecture(unittest.TestCase):
+    QUESTIONS = "## Ten questions\n" + "".join(f"{i}. Who?\n   - `rt/a.cpp`: `f`\n" for i in range(1, 11))
+    FILES = {"rt/a.cpp": "int f() { return 1; }", architecture.DOCUMENT: QUESTIONS}
+
+    def found(self, document):
+        return architecture.problems(self.FILES | {architecture.DOCUMENT: document})
+
+    def test_lets_what_exists_pass(self):
+        self.assertEqual(self.found(self.QUESTIONS), [])
+
+    def test_refuses_names_of_nothing(self):
+        self.assertIn("firmware/architecture.md:1: rt/b.cpp does not exist", self.found("`rt/b.cpp`\n" + self.QUESTIONS))
+        self.assertIn("firmware/architecture.md:1: rt/a.cpp has no function g", self.found("`rt/a.cpp`: `g`\n" + self.QUESTIONS))
+
+    def test_refuses_long_walks_and_missing_questions(self):
+        hop = "   - `rt/a.cpp`: `f`\n"
+        self.assertIn("question 10 takes 4 hops", self.found(self.QUESTIONS + 3 * hop)[0])
+        self.assertIn("9 questions; must be ten", self.found(self.QUESTIONS.replace("10. Who?\n" + hop, ""))[0])
+
+
+class Picture(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        tool = pathlib.Path(__file__).resolve().parents[2] / "tools/architecture"
+        loader = importlib.machinery.SourceFileLoader("picture", str(tool))
+        cls.picture = importlib.util.module_from_spec(importlib.util.spec_from_loader("picture", loader))
+        loader.exec_module(cls.picture)
+
+    def test_folders_that_include_each_other_share_a_box(self):
+        self.assertEqual(self.picture.boxes({"a": {"b"}, "b": {"a", "c"}, "c": set()}), {"a": ("a", "b"), "b": ("a", "b"), "c": ("c",)})
+
+    def test_what_follows_from_other_lines_is_left_out(self):
+        lines = self.picture.reduced({"a": {"b", "c"}, "b": {"c"}, "c": set()})
+        self.assertEqual(lines, {("a",): {("b",)}, ("b",): {("c",)}, ("c",): set()})
+        self.assertEqual(self.picture.rows(lines), [[("a",)], [("b",)], [("c",)]])
 
 
 class Arrows(unittest.TestCase):
@@ -145,6 +187,60 @@ class Readmes(unittest.TestCase):
         files = {"README.md": "x", "rt/README.md": "x", "rt/a.cpp": "", "core/base/a.cpp": "", ".ci/run": ""}
         self.assertEqual(readmes.problems(files), ["core/README.md: missing"])
         self.assertEqual(readmes.problems(files | {"core/README.md": "what it is"}), [])
+
+
+class Method(unittest.TestCase):
+    PAPER = "## 1. NDT\nFiles: `ndt/ndt.hpp`\n\n## 2. Bibliography\n- **[biber2003ndt]** P. Biber.\n"
+
+    def found(self, header, paper=PAPER, path="core/ndt/ndt.hpp"):
+        return method.problems({method.PAPER: paper, path: header})
+
+    def test_lets_a_cited_source_pass_that_names_its_section(self):
+        self.assertEqual(self.found("// [biber2003ndt, section III;\n/// method 1]"), [])
+
+    def test_refuses_a_citation_that_leads_nowhere(self):
+        self.assertIn("[magnusson2009ndt] is not in the bibliography", self.found("// [biber2003ndt, magnusson2009ndt; method 1]")[0])
+        self.assertIn("core/ndt/ndt.hpp:2: says no section", self.found("\n// [biber2003ndt]")[0])
+        self.assertIn("section 2 of core/method.md does not name this file", self.found("// [biber2003ndt; method 2]")[0])
+
+    def test_refuses_a_section_without_its_file_and_a_folder_without_a_section(self):
+        found = self.found("// [biber2003ndt; method 1]", path="core/grid/cell.hpp")
+        self.assertIn("core/method.md: section 1 names core/ndt/ndt.hpp, which does not exist", found)
+        self.assertIn("core/method.md: no section names a file of core/grid", found)
+
+    def test_refuses_an_entry_that_nobody_cites(self):
+        self.assertEqual(self.found("int a;"), ["core/method.md: [biber2003ndt] is cited nowhere"])
+
+
+class Documents(unittest.TestCase):
+    def test_refuses_a_long_readme_of_a_folder(self):
+        self.assertEqual(documents.problems({"rt/README.md": "a\n" * 80, "README.md": "a\n" * 200}, {}), [])
+        self.assertIn("rt/README.md: 81 lines; at most 80", documents.problems({"rt/README.md": "a\n" * 81}, {})[0])
+
+    def test_refuses_decisions_without_number_or_date(self):
+        good = "# D\n\n- **D1** (2026-01-02) So.\n  It is.\n- **D2** (2026-01-03) Or so.\n"
+        self.assertEqual(documents.problems({"rt/DECISIONS.md": good}, {}), [])
+        for bad in (good.replace("D2", "D3"), good.replace(" (2026-01-03)", ""), good + "- And so on.\n"):
+            self.assertIn("numbered from 1 without a gap", documents.problems({"rt/DECISIONS.md": bad}, {})[0])
+
+    def test_refuses_words_in_documents_and_texts_for_users_alone(self):
+        text = 'say("the pose is in doubt");\n'
+        for path in ("rt/a.cpp", "core/README.md"):
+            self.assertIn(f"{path}:1: /", documents.problems({path: text}, {})[0])
+        for path, other in (("tests/rt/a.cpp", text), ("rt/a.cpp", "// in doubt\nint doubt;\n"), ("rt/a.cpp", 'key("doubt")')):
+            self.assertEqual(documents.problems({path: other}, {}), [])
+
+    def test_refuses_links_that_lead_nowhere(self):
+        files = {"rt/README.md": "[a](../core/a.md#b) [c](https://example.org) [d](../core)", "core/a.md": ""}
+        self.assertEqual(documents.problems(files, {}), [])
+        self.assertEqual(documents.problems(files | {"rt/README.md": "\n[e](e.md)"}, {}), ["rt/README.md:2: e.md leads nowhere"])
+
+    def test_lets_no_more_and_no_fewer_uses_pass_than_are_known(self):
+        text, word = "torn, and torn\n", r"\btorn\b"
+        self.assertEqual(documents.problems({"a.md": text}, {("a.md", word): 2}), [])
+        self.assertIn("2 times (lines 1, 1), 1 known", documents.problems({"a.md": text}, {("a.md", word): 1})[0])
+        self.assertIn("2 times now and not 3", documents.problems({"a.md": text}, {("a.md", word): 3})[0])
+        self.assertEqual(documents.in_use("2 a.md \\btorn\\b\n"), {("a.md", word): 2})
 
 
 class Exceptions(unittest.TestCase):

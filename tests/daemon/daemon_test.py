@@ -121,7 +121,7 @@ class DaemonTest(DaemonCase):
         daemon.send_signal(signal.SIGTERM)
         self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
         summary = self.summary()
-        for reason in ("no scans", "scans are refused", "the same scan again and again"):
+        for reason in ("no scans", "scans are refused", "the laser repeats the same scan"):
             self.assertIn(reason, summary["latched_reasons"])
         self.assertGreater(summary["scans_rejected"], 50)
         self.assertGreater(summary["scans"], 400)

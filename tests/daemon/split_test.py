@@ -338,7 +338,7 @@ class SplitTest(unittest.TestCase):
     def test_forged_motions_are_refused_and_said(self):
         whole, forged_at = self.online("whole"), self.online("forged")
         self.assertGreater(self.summary("forged")["motions_refused"], 4 * len(whole))
-        self.assertIn("motions of the matcher elsewhere are refused", self.summary("forged")["latched_reasons"])
+        self.assertIn("motions received over LCM are refused", self.summary("forged")["latched_reasons"])
         self.assertGreater(len(forged_at), 0.98 * len(whole))
         self.assertLess(max(math.dist(forged_at[stamp], whole[stamp]) for stamp in forged_at), 0.05)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds the seed's statements against the numbers that the experiments wrote, by its own arithmetic: it reads the CSV
+"""Holds the dissertation's statements against the numbers that the experiments wrote, by its own arithmetic: it reads the CSV
 files, and then asks that the report's verdict is the same.
 
 usage: statements_test.py ODOLESS OUT

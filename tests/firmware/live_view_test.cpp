@@ -183,7 +183,7 @@ TEST_F(LiveViewTest, AChangeOfStateIsToldAtOnceAndElseTwiceASecond) {
   ASSERT_EQ(events.size(), 1U);
   const auto json = nlohmann::json::parse(events[0].data);
   EXPECT_EQ(json["state"], "LOST");
-  EXPECT_EQ(json["reasons"][0], "scans do not fit to the map");
+  EXPECT_EQ(json["reasons"][0], "scans do not match the map");
 }
 
 TEST_F(LiveViewTest, ShowsAScanWhereItsPoseHasIt) {

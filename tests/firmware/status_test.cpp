@@ -32,7 +32,7 @@ DaemonStatus lost_status() {
 
 TEST(Status, TellsAPersonStatePoseMapAndRates) {
   const std::string text = status_text(lost_status());
-  EXPECT_THAT(text, StartsWith("LOST: scans do not fit to the map, scans or records are dropped"));
+  EXPECT_THAT(text, StartsWith("LOST: scans do not match the map, scans or records are dropped"));
   EXPECT_THAT(text,
               HasSubstr("pose: x 1.25 m, y -2.50 m, yaw 90.0 deg; standard deviations 0.20 m, 0.30 m, 1.0 deg\n"));
   EXPECT_THAT(text, HasSubstr("pose right within 0.5 m and 5 deg: 12.5 %\n"));
@@ -46,7 +46,7 @@ TEST(Status, TellsAProgramTheSame) {
   const auto json = nlohmann::json::parse(status_json(lost_status()).dump());
   EXPECT_EQ(json["state"], "LOST");
   EXPECT_EQ(json["reasons"].size(), 2U);
-  EXPECT_EQ(json["reasons"][0], "scans do not fit to the map");
+  EXPECT_EQ(json["reasons"][0], "scans do not match the map");
   EXPECT_EQ(json["pose_probability"], 0.125);
   EXPECT_EQ(json["pose"]["stamp_s"], 1.5);
   EXPECT_EQ(json["pose"]["x_m"], 1.25);

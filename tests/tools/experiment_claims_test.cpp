@@ -1,4 +1,4 @@
-// Each predicate says yes to what the seed states and no to its contrary, so that a report can disagree.
+// Each predicate says yes to what the dissertation states and no to its contrary, so that a report can disagree.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

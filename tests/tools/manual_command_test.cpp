@@ -19,7 +19,7 @@ TEST(Manual, NamesEveryCommandWithItsOptionsAndDefaults) {
   EXPECT_THAT(page.out, HasSubstr(".TH ODOLESS 1 "));
   EXPECT_THAT(page.out, HasSubstr("\n.SS odoless eval relations\n"));
   EXPECT_THAT(page.out, HasSubstr("\n\\fB\\-\\-seed\\fR"));
-  EXPECT_THAT(page.out, HasSubstr("Seed of the random generator (default: 1)\n"));
+  EXPECT_THAT(page.out, HasSubstr("Random seed: the same seed gives the same bytes (default: 1)\n"));
   EXPECT_THAT(page.out, Not(HasSubstr("\\fI\\fR")));
 }
 

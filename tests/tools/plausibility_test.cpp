@@ -173,7 +173,7 @@ TEST(Plausibility, RefusesStampsOfNoLaser) {
 TEST(Plausibility, RefusesALogThatRunsBackwards) {
   ScanLog log = good_log();
   std::reverse(log.scans.begin(), log.scans.end());
-  EXPECT_THAT(make_plausible(log).wrong, HasSubstr("backwards"));
+  EXPECT_THAT(make_plausible(log).wrong, HasSubstr("out of order"));
 }
 
 TEST(Plausibility, PutsScansInTheOrderOfTheirStampsWhereTheRangesAgree) {

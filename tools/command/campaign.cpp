@@ -182,17 +182,18 @@ void add_campaign(CLI::App& app) {
   job->jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   CLI::App* const command =
       app.add_subcommand("campaign",
-                         "Simulated faults against what the daemon says of its pose; exit status 1: it was "
-                         "sure of a wrong one");
+                         "Compare the daemon's state with the truth under simulated faults; exit status 1: it was "
+                         "OK with a wrong pose");
   command->add_option("--runs", job->runs, "Runs")->check(CLI::Range(1, 1'000'000))->capture_default_str();
   command->add_option("--seed", job->seed, "Random seed: the same gives the same runs")->capture_default_str();
-  command->add_flag("--gaps", job->gaps, "The gap sweep instead: 192 runs in which scans are missing for 1 to 12 s");
-  command->add_option("--kind", job->kind, "Runs of this kind of fault alone")->check(CLI::IsMember(kind_names()));
+  command->add_flag("--gaps", job->gaps,
+                    "Run the gap sweep instead: 192 runs in which scans are missing for 1 to 12 s");
+  command->add_option("--kind", job->kind, "Run only this kind of fault")->check(CLI::IsMember(kind_names()));
   command->add_flag("--list", job->list, "Print the runs, and run none");
-  command->add_option("--only", job->only, "Run the one of this index alone")->check(CLI::NonNegativeNumber);
+  command->add_option("--only", job->only, "Run only the run with this index")->check(CLI::NonNegativeNumber);
   command->add_option("--trace", job->trace, "CSV file of what that run saw, a line per scan and per 0.1 s");
   command->add_option("--json", job->json, "File for all figures");
-  command->add_option("--figure", job->figure, "PNG of the calibration curve and the time to say so");
+  command->add_option("--figure", job->figure, "PNG of the calibration curve and the time to detection");
   command->add_option("--jobs", job->jobs, "Threads")->check(CLI::Range(1, 1024))->capture_default_str();
   command->callback([job] { run(*job); });
 }

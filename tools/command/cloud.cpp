@@ -69,8 +69,8 @@ void print(const CloudJob& job, const CloudResult& result) {
     fmt::print("floor     too little of floor and walls was seen to check the calibration\n");
   }
   if (result.truth) {
-    fmt::print("truth     points within {:.3f} m in the middle, 95 % within {:.3f} m\n",
-               result.truth->distance_m.median, result.truth->distance_m.percentile_95);
+    fmt::print("truth     points: median error {:.3f} m, 95th percentile {:.3f} m\n", result.truth->distance_m.median,
+               result.truth->distance_m.percentile_95);
   }
   fmt::print("poses     {}\n", shares_text(result.figures));
 }

@@ -148,7 +148,7 @@ void add_laser_options(CLI::App& command, EmulateLrfOptions& options) {
       ->check(CLI::IsMember(model_names()))
       ->capture_default_str();
   add_time_options(command, options);
-  command.add_option("--noise-sd-m", options.noise_sd_m, "Deviation of a world's ranges [the model's]")
+  command.add_option("--noise-sd-m", options.noise_sd_m, "Standard deviation of a world's ranges [the model's]")
       ->check(CLI::Range(0.0, 10.0));
   command.add_flag("--distortion", options.distortion, "Cast each beam of a world at its own time");
   command.add_option("--seed", options.seed, "Seed of the noise")->capture_default_str();

@@ -74,9 +74,11 @@ void add_emulate_gpio(CLI::App& emulate) {
   auto options = std::make_shared<EmulateGpioOptions>();
   CLI::App* const command = emulate.add_subcommand(
       "gpio", "A robot's wires on a GPIO chip of the kernel's gpio-sim, until it is stopped (needs root)");
-  command->add_option("--name", options->name, "Of the chip; its lines are NAME-stop, NAME-sync, NAME-power, NAME-led")
+  command
+      ->add_option("--name", options->name,
+                   "Name of the chip; its lines are NAME-stop, NAME-sync, NAME-power, NAME-led")
       ->capture_default_str();
-  command->add_option("--pulse-period-ms", options->pulse_period_ms, "From one pulse of the laser to the next; 0: none")
+  command->add_option("--pulse-period-ms", options->pulse_period_ms, "Period of the laser's pulses; 0: none")
       ->check(CLI::Range(0.0, 60'000.0))
       ->capture_default_str();
   command->add_option("--duration-s", options->duration_s, "Stop after this time [SIGTERM stops it]")

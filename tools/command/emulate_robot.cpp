@@ -175,7 +175,7 @@ void add_servo_options(CLI::App& command, EmulateServoOptions& servo) {
   command.add_option("--servo-id", servo.id, "The servo's number on its bus")
       ->check(CLI::Range(1, 127))
       ->capture_default_str();
-  command.add_option("--servo-start-deg", servo.start_deg, "Where its axis stands at first")
+  command.add_option("--servo-start-deg", servo.start_deg, "Angle of the servo's axis at the start")
       ->check(CLI::Range(-90.0, 90.0))
       ->capture_default_str();
   command.add_option("--servo-fault", servo.faults,

@@ -114,10 +114,10 @@ void add_emulate_servo(CLI::App& emulate) {
   command->add_option("--pty", options->pty, "Link to make to the line's end for the client");
   command->add_option("--log", options->log, "File for all frames on the CAN interface (candump -L)");
   command->add_option("--id", options->id, "Its number on the bus")->check(CLI::Range(1, 127))->capture_default_str();
-  command->add_option("--start-deg", options->start_deg, "Where its axis stands at first")
+  command->add_option("--start-deg", options->start_deg, "Angle of the axis at the start")
       ->check(CLI::Range(-90.0, 90.0))
       ->capture_default_str();
-  command->add_option("--home-deg", options->home_deg, "Drive: where homing finds the zero")
+  command->add_option("--home-deg", options->home_deg, "Drive: angle at which homing finds the zero")
       ->check(CLI::Range(-90.0, 90.0))
       ->capture_default_str();
   command->add_option("--counts-per-turn", options->counts_per_turn, "Drive: position units per turn")

@@ -62,12 +62,14 @@ using Options = std::shared_ptr<EvalOptions>;
 
 CLI::App* add_kind(CLI::App& eval, const Options& options, const char* name, const char* summary) {
   CLI::App* const command = eval.add_subcommand(name, summary);
-  command->add_option("--tolerance-s", options->association.tolerance_s, "Stamps further apart do not belong together")
+  command
+      ->add_option("--tolerance-s", options->association.tolerance_s,
+                   "Largest difference of two stamps that belong together")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   command
       ->add_option("--laser-x-m", options->association.laser_x_m,
-                   "Laser's place before the robot's centre, when the reference tells that centre")
+                   "Distance of the laser in front of the robot's centre, where the reference has that centre")
       ->check(CLI::Range(-10.0, 10.0))
       ->capture_default_str();
   command->add_flag("--json", options->json, "Write one JSON object instead of text");
@@ -96,10 +98,10 @@ void add_pairs(CLI::App& eval) {
   CLI::App* const command = add_kind(eval, options, "pairs", "Errors of pairwise matches, and gross failures");
   command->add_option("REF_LOG", options->reference, "Reference: log with poses, or trajectory")->required();
   command->add_option("MATCHES", options->estimate, "matches.csv of `odoless match` or `odoless replay`")->required();
-  command->add_option("--gross-m", options->gross_m, "A match further off is a gross failure")
+  command->add_option("--gross-m", options->gross_m, "Error of translation above which a match is a gross failure")
       ->check(CLI::Range(1e-6, 1e6))
       ->capture_default_str();
-  command->add_option("--gross-deg", options->gross_deg, "A match turned further off is a gross failure")
+  command->add_option("--gross-deg", options->gross_deg, "Error of rotation above which a match is a gross failure")
       ->check(CLI::Range(1e-6, 180.0))
       ->capture_default_str();
   command->callback([options] { run_pairs(*options); });

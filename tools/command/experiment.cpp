@@ -86,7 +86,7 @@ void add_experiment(CLI::App& app) {
   options->campaign.sources.data = default_data();
   options->campaign.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   CLI::App* const command =
-      app.add_subcommand("experiment", "Repeat an experiment of the seed, and say whether its statements hold");
+      app.add_subcommand("experiment", "Repeat an experiment of the dissertation, and say whether its statements hold");
   command->add_option("NAME", options->name, "Experiment, or all")
       ->required()
       ->check(CLI::IsMember(names_of(experiments)));
@@ -95,7 +95,8 @@ void add_experiment(CLI::App& app) {
       ->required();
   command->add_option("--data", options->campaign.sources.data, "Folder of recorded logs")->capture_default_str();
   command
-      ->add_option("--seed", options->campaign.sources.seed, "Seed of noise and method: the same gives the same bytes")
+      ->add_option("--seed", options->campaign.sources.seed,
+                   "Random seed of noise and method: the same seed gives the same bytes")
       ->capture_default_str();
   command->add_option("--jobs", options->campaign.threads, "Threads")
       ->check(CLI::Range(1, 1024))

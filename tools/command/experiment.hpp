@@ -6,7 +6,7 @@ class App;
 
 namespace odoless {
 
-/// `odoless experiment NAME|all --out DIR`: an experiment of the seed with its figures, or all with one report.
+/// `odoless experiment NAME|all --out DIR`: an experiment of the dissertation with its figures, or all with one report.
 void add_experiment(CLI::App& app);
 
 }  // namespace odoless

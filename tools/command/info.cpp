@@ -196,7 +196,7 @@ void run(const InfoOptions& options) {
 
 void add_info(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* const command = app.add_subcommand("info", "Say what a recorded log holds");
+  CLI::App* const command = app.add_subcommand("info", "Print what is in a recorded log");
   command->add_option("LOG", options->log,
                       "Recorded log: CARMEN, DP-SLAM, CSV, LCM, ROS 1 or 2 bag, MCAP, MRPT rawlog, or a tilt log; also "
                       "packed (.gz, .xz, .bz2, .lz4, .zst)");

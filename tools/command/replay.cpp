@@ -291,7 +291,8 @@ CLI::App* add_log_job(CLI::App& app, const char* name, const char* what, LogJob&
   command->add_option("--every", job.options.every, "Use every N-th scan")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command->add_option("--seed", job.options.seed, "Seed of the random generator")->capture_default_str();
+  command->add_option("--seed", job.options.seed, "Random seed: the same seed gives the same bytes")
+      ->capture_default_str();
   command->add_option("--period-ms", job.period_ms, "Time between scans of a log without stamps")
       ->check(CLI::Range(0.001, 1e6))
       ->capture_default_str();
@@ -315,7 +316,8 @@ void add_replay(CLI::App& app) {
 
 void add_match(CLI::App& app) {
   const auto job = std::make_shared<LogJob>();
-  CLI::App* const command = add_log_job(app, "match", "Match each scan with the one before, nothing else", *job);
+  CLI::App* const command =
+      add_log_job(app, "match", "Match each scan to the one before, without filter and map", *job);
   command->callback([job] { run_match(*job); });
 }
 

@@ -73,7 +73,7 @@ void add_sim(CLI::App& app) {
   command->add_option("--out", options->log, "CARMEN log to write: FLASER where the laser fits it, else ROBOTLASER1")
       ->required();
   command->add_option("--truth", options->truth, "True poses to write (TUM) [LOG with the extension .truth.tum]");
-  command->add_option("--seed", options->seed, "Seed of the noise: the same seed gives the same bytes")
+  command->add_option("--seed", options->seed, "Random seed of the noise: the same seed gives the same bytes")
       ->capture_default_str();
   // Before the parameters: options are applied in this order, and a parameter given by hand overrides the preset.
   command

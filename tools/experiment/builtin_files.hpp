@@ -11,7 +11,7 @@ struct BuiltinFile {
   std::string_view text;
 };
 
-/// The worlds of tools/worlds and the seed's configurations; generated when the program is built.
+/// The worlds of tools/worlds and the dissertation's configurations; generated when the program is built.
 [[nodiscard]] std::span<const BuiltinFile> builtin_files();
 
 /// The text of one of them. It is a bug to ask for another.

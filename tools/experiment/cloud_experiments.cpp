@@ -75,7 +75,7 @@ Findings conclude_building(const Evidence& evidence) {
   findings.tables = {output.sample};
   findings.claims = {projects_onto_surfaces("5.34",
                                             "the trajectory of 2D DP-SLAM can be used to project the 3D data (our aim: "
-                                            "within 20 mm in the middle, 95 % within 60 mm)",
+                                            "median error 20 mm, 95th percentile 60 mm)",
                                             output),
                      floor_is_flat("5.34", output)};
   return findings;
@@ -103,7 +103,8 @@ Findings conclude_recorded(const Evidence& evidence) {
   Findings findings;
   for (const Run& run : evidence.runs()) {
     CloudOutput output = read_cloud(evidence.folder(run.name));
-    findings.figures.push_back(whole_figure("recorded-" + run.name, "Not in the seed: " + run.scene.log, output));
+    findings.figures.push_back(
+        whole_figure("recorded-" + run.name, "Not in the dissertation: " + run.scene.log, output));
     findings.claims.push_back(
         most_scans_are_mapped("-", run.scene.log + ": our aim: most scans of a recorded tilt log are mapped", output));
     output.sample.name = run.name;

@@ -12,10 +12,10 @@
 
 namespace odoless {
 
-/// One of the seed's statements, and what became of it.
+/// One of the dissertation's statements, and what became of it.
 struct Claim {
-  std::string figure;    ///< the seed's, such as "5.1"
-  std::string stated;    ///< what the seed states
+  std::string figure;    ///< the dissertation's, such as "5.1"
+  std::string stated;    ///< what the dissertation states
   std::string measured;  ///< what we measured
   bool agrees = false;
 };
@@ -50,10 +50,10 @@ class Evidence {
   std::filesystem::path runs_folder_;
 };
 
-/// One figure of the seed or a group of them.
+/// One figure of the dissertation or a group of them.
 struct Experiment {
   std::string name;
-  std::string figures;  ///< of the seed, such as "5.1-5.2"
+  std::string figures;  ///< of the dissertation, such as "5.1-5.2"
   std::string title;
   std::vector<Run> runs;
   Findings (*conclude)(const Evidence& evidence) = nullptr;
@@ -62,7 +62,7 @@ struct Experiment {
 /// Everything at full length, or so little of it that it takes a minute.
 enum class Extent { kFull, kQuick };
 
-/// Every experiment, in the order of the seed's figures.
+/// Every experiment, in the order of the dissertation's figures.
 [[nodiscard]] std::vector<Experiment> all_experiments(Extent extent);
 
 }  // namespace odoless

@@ -8,10 +8,10 @@
 
 namespace odoless {
 
-/// What the seed says of the fitness on recorded logs (section 5.1.3), as predicates of the matches' fitness in
+/// What the dissertation says of the fitness on recorded logs (section 5.1.3), as predicates of the matches' fitness in
 /// its form (self_fitness.hpp), and of their errors.
 
-/// How many matches are at or above the seed's threshold of 30.
+/// How many matches are at or above the dissertation's threshold of 30.
 [[nodiscard]] std::size_t count_peaks(std::span<const double> fitness);
 
 [[nodiscard]] Claim fitness_stays_below(const std::string& figure, std::span<const double> fitness);

@@ -16,7 +16,7 @@ namespace odoless {
 [[nodiscard]] std::vector<Experiment> motion_experiments(Extent extent);
 /// 5.24 to 5.29: DP-SLAM in simulated buildings.
 [[nodiscard]] std::vector<Experiment> mapping_experiments(Extent extent);
-/// Not in the seed: other worlds, with what is built in.
+/// Not in the dissertation: other worlds, with what is built in.
 [[nodiscard]] std::vector<Experiment> world_experiments(Extent extent);
 /// 5.30 to 5.33: DP-SLAM on recorded logs.
 [[nodiscard]] std::vector<Experiment> recorded_mapping_experiments(Extent extent);

@@ -13,7 +13,7 @@ constexpr const char* kHead = R"(<!DOCTYPE html>
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>odoless: the seed's experiments</title>
+<title>odoless: the dissertation's experiments</title>
 <style>
 body { font: 16px/1.5 sans-serif; max-width: 70rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
 table { border-collapse: collapse; width: 100%; }
@@ -25,7 +25,7 @@ figure { margin: 1.5rem 0; }
 </style>
 </head>
 <body>
-<h1>The seed's experiments</h1>
+<h1>The dissertation's experiments</h1>
 )";
 
 std::string escaped(std::string_view text) {

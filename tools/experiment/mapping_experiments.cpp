@@ -10,7 +10,7 @@
 namespace odoless {
 namespace {
 
-/// The seed's counts of particles, or a tenth of them.
+/// The dissertation's counts of particles, or a tenth of them.
 Run mapping_run(const std::string& name, const std::string& world, Extent extent) {
   constexpr int kQuickDivisor = 10;
   Run run;
@@ -113,7 +113,7 @@ Findings conclude_office(const Evidence& evidence) {
                        .caption = "Figure 5.29: map of another simulated building by hierarchical DP-SLAM",
                        .panels = {mapped_panel(output, truth)}},
                       {.name = "error",
-                       .caption = "Not in the seed: its error of position",
+                       .caption = "Not in the dissertation: its error of position",
                        .panels = {position_error_panel(errors_m, {})}}};
   findings.tables = {path_table(estimate, errors_m)};
   Claim claim = error_is_mostly_small(errors_m);

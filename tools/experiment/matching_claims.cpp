@@ -100,7 +100,7 @@ Claim default_beats_seed(Summaries seed, Summaries ours) {
   for (std::size_t i = 0; agrees && i < seed.size(); ++i) {
     agrees = ours[i].median_m < seed[i].median_m && ours[i].time_median_us <= seed[i].time_median_us;
   }
-  return {"5.5-5.6", "our aim: what is built in beats the seed's setting at every noise, in no more time",
+  return {"5.5-5.6", "our aim: what is built in beats the dissertation's setting at every noise, in no more time",
           list(seed, exact_median_of) + " / " + list(ours, exact_median_of) + (agrees ? "; less CPU time at each" : ""),
           agrees};
 }

@@ -7,8 +7,8 @@
 
 namespace odoless {
 
-/// What the seed says of matching in section 5.1.1 and 5.1.2, and our own aims, as predicates of the measured errors.
-/// Each summary is of the same pairs matched with another setting; sets are in the order of that setting.
+/// What the dissertation says of matching in section 5.1.1 and 5.1.2, and our own aims, as predicates of the measured
+/// errors. Each summary is of the same pairs matched with another setting; sets are in the order of that setting.
 
 [[nodiscard]] Claim small_populations_do_not_converge(std::span<const MatchingSummary> small);
 [[nodiscard]] Claim large_populations_have_fewer_and_lower_peaks(std::span<const MatchingSummary> small,

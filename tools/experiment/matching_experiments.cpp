@@ -1,4 +1,4 @@
-// Figures 5.1 to 5.6: population, generations and noise (sections 5.1.1 and 5.1.2 of the seed).
+// Figures 5.1 to 5.6: population, generations and noise (sections 5.1.1 and 5.1.2 of the dissertation).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ std::vector<PlotPoint> component(std::span<const DisplacementError> errors, doub
   return points;
 }
 
-/// Errors of displacement over the poses, as the seed draws them: two settings over one another, worse first.
+/// Errors of displacement over the poses, as the dissertation draws them: two settings over one another, worse first.
 Figure error_figure(const Evidence& evidence, std::span<const Setting> settings, const std::string& number) {
   constexpr std::array kColours{kRed, kBlue};
   Figure figure{.name = "figure-" + number, .caption = "Figure " + number + ": error in displacement", .panels = {}};
@@ -133,12 +133,12 @@ Figure noise_figure(std::span<const MatchingSummary> seed, std::span<const Match
   Chart panel{.title = "median error of displacement",
               .x_label = "standard deviation of the range (mm)",
               .y_label = "median error (mm)"};
-  panel.series = {{"the seed's setting", Mark::kLine, kRed, {}}, {"as built in", Mark::kLine, kBlue, {}}};
+  panel.series = {{"the dissertation's setting", Mark::kLine, kRed, {}}, {"as built in", Mark::kLine, kBlue, {}}};
   for (std::size_t i = 0; i < seed.size(); ++i) {
     panel.series[0].points.push_back({kNoisesM.at(i) * 1e3, seed[i].median_m * 1e3});
     panel.series[1].points.push_back({kNoisesM.at(i) * 1e3, ours[i].median_m * 1e3});
   }
-  return {.name = "noise-and-matcher", .caption = "Not in the seed: error over noise", .panels = {panel}};
+  return {.name = "noise-and-matcher", .caption = "Not in the dissertation: error over noise", .panels = {panel}};
 }
 
 Findings conclude_noise(const Evidence& evidence) {

@@ -10,8 +10,8 @@
 
 namespace odoless {
 
-/// How a match differs from the true displacement, in the seed's axes: delta y is along the heading, delta x across it,
-/// to the right.
+/// How a match differs from the true displacement, in the dissertation's axes: delta y is along the heading, delta x
+/// across it, to the right.
 struct DisplacementError {
   int index = 0;  ///< of the later scan
   double x_m = 0.0;

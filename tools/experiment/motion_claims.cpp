@@ -19,8 +19,8 @@ double median_absolute(std::span<const DisplacementError> errors, double Displac
   return quantile(absolutes, 0.5);
 }
 
-/// Whether the seed's spread law v = floor + ratio * d, whose deviation is v / 3, is nowhere below the fitted one, up
-/// to a displacement of `largest`.
+/// Whether the dissertation's spread law v = floor + ratio * d, whose deviation is v / 3, is nowhere below the fitted
+/// one, up to a displacement of `largest`.
 bool is_covered(const SpreadLaw& fitted, double spread_floor, double spread_ratio, double largest) {
   constexpr double kSpreadPerDeviation = 3.0;
   const auto is_covered_at = [&](double moved) {
@@ -86,7 +86,8 @@ Claim spreads_cover_errors(std::span<const DisplacementError> errors) {
   const MotionModelParams seed;
   return {"5.19", "spreads of 0.02 m + |dy| / 10 and 0.5 deg + |dtheta| / 10 describe the errors",
           fmt::format(
-              "fitted deviations {:.1f} mm + {:.4f} |dy| and {:.3f} deg + {:.4f} |dtheta|; the seed's spreads are 3 "
+              "fitted standard deviations {:.1f} mm + {:.4f} |dy| and {:.3f} deg + {:.4f} |dtheta|; the dissertation's "
+              "spreads are 3 "
               "deviations",
               forward.floor * 1e3, forward.ratio, to_deg(turn.floor), turn.ratio),
           is_covered(forward, seed.translation_spread_m, seed.translation_spread_ratio, longest_m) &&

@@ -8,7 +8,7 @@
 
 namespace odoless {
 
-/// What the seed says of the errors of matches (section 5.2), as predicates of them.
+/// What the dissertation says of the errors of matches (section 5.2), as predicates of them.
 
 /// A deviation that grows with the displacement, as the motion model's spreads do: floor + ratio * |displacement|.
 struct SpreadLaw {
@@ -21,7 +21,7 @@ struct SpreadLaw {
 
 /// Figure 5.19: within 2 robust deviations lie 90 to 99 % of the errors, as of a normal law's 95 %.
 [[nodiscard]] Claim errors_look_normal(const char* figure, const char* axis, std::span<const double> errors);
-/// Figure 5.19: the fitted constants, converted to the seed's spreads, are within those of its Table 5.1.
+/// Figure 5.19: the fitted constants, converted to the dissertation's spreads, are within those of its Table 5.1.
 [[nodiscard]] Claim spreads_cover_errors(std::span<const DisplacementError> errors);
 
 /// Figure 5.23: of the quarter of the matches that travel most, the median rotation is below that of all.

@@ -34,7 +34,7 @@ Table error_table(std::span<const DisplacementError> errors) {
   Table table{
       "errors", {"pose", "true_dx_m", "true_dy_m", "true_dyaw_rad", "error_x_m", "error_y_m", "error_yaw_rad"}, {}};
   for (const DisplacementError& error : errors) {
-    // In the seed's axes, as the errors: x is to the right.
+    // In the dissertation's axes, as the errors: x is to the right.
     table.rows.push_back({static_cast<double>(error.index), -error.true_motion.y_m, error.true_motion.x_m,
                           error.true_motion.yaw_rad, error.x_m, error.y_m, error.yaw_rad});
   }

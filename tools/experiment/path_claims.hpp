@@ -6,7 +6,8 @@
 
 namespace odoless {
 
-/// What the seed says of accumulated errors of position (Figures 5.7 and 5.25), as predicates of the error per pose.
+/// What the dissertation says of accumulated errors of position (Figures 5.7 and 5.25), as predicates of the error per
+/// pose.
 
 /// Matches alone: the largest error of the last third is larger than that of the first third.
 [[nodiscard]] Claim error_accumulates(std::span<const double> errors_m);

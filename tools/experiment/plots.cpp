@@ -137,7 +137,7 @@ Chart histogram_panel(const std::string& title, const std::string& x_label, std:
 Chart fitness_panel(const std::string& title, std::span<const double> fitness) {
   Series values = index_series("A - score, as for 180 beams", fitness, 1.0, kBlue);
   values.mark = Mark::kImpulses;
-  const Series threshold{"threshold of the seed",
+  const Series threshold{"threshold of the dissertation",
                          Mark::kLine,
                          kRed,
                          {{0.0, kSeedFitnessMax}, {static_cast<double>(fitness.size()), kSeedFitnessMax}}};

@@ -30,7 +30,7 @@ namespace odoless {
 [[nodiscard]] Chart histogram_panel(const std::string& title, const std::string& x_label,
                                     std::span<const double> values, double limit);
 
-/// Fitness of each match, in the seed's form (self_fitness.hpp), beneath its threshold.
+/// Fitness of each match, in the dissertation's form (self_fitness.hpp), beneath its threshold.
 [[nodiscard]] Chart fitness_panel(const std::string& title, std::span<const double> fitness);
 
 /// A map with paths over it.

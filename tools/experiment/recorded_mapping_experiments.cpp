@@ -13,7 +13,7 @@
 namespace odoless {
 namespace {
 
-/// What is printed in the seed for one of its logs.
+/// What is printed in the dissertation for one of its logs.
 struct SeedCounts {
   int low_particles = 0;
   int high_particles = 0;

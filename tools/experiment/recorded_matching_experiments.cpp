@@ -23,7 +23,7 @@ Run recorded_pairs(const std::string& name, Scene scene, const MatcherParams& ma
   return run;
 }
 
-/// In the seed's form.
+/// In the dissertation's form.
 std::vector<double> fitness_of(const Evidence& evidence, const Run& run) {
   return seed_fitness(evidence.output(run.name).matches, self_scores(evidence.scene(run.name).log, run.params));
 }
@@ -53,7 +53,7 @@ Chart map_by_matches(const Evidence& evidence, const Run& run, const std::string
   return map_panel(title, map_of_points(used, path, kPointMapResolutionM), {path_series("path", path, kBlue)});
 }
 
-/// Fitness of both settings, and the map that the seed's gives: figures FIRST and SECOND.
+/// Fitness of both settings, and the map that the dissertation's gives: figures FIRST and SECOND.
 Findings log_findings(const Evidence& evidence, const std::string& first, const std::string& second) {
   const Run& seed = evidence.runs()[0];
   const Run& ours = evidence.runs()[1];
@@ -61,12 +61,12 @@ Findings log_findings(const Evidence& evidence, const std::string& first, const 
   Findings findings;
   findings.figures = {{.name = "figure-" + first,
                        .caption = "Figure " + first + ": fitness of each displacement",
-                       .panels = {fitness_panel("the seed's setting", fitness),
+                       .panels = {fitness_panel("the dissertation's setting", fitness),
                                   fitness_panel("as built in", fitness_of(evidence, ours))}},
                       {.name = "figure-" + second,
                        .caption = "Figure " + second + ": map by scan matching alone",
                        .columns = 2,
-                       .panels = {map_by_matches(evidence, seed, "the seed's setting"),
+                       .panels = {map_by_matches(evidence, seed, "the dissertation's setting"),
                                   map_by_matches(evidence, ours, "as built in")}}};
   findings.tables = {fitness_table("fitness", evidence.output(seed.name).matches, fitness),
                      fitness_table("fitness-built-in", evidence.output(ours.name).matches, fitness_of(evidence, ours))};
@@ -78,7 +78,7 @@ Findings conclude_dwing(const Evidence& evidence) {
   for (const Run& run : evidence.runs()) {
     findings.claims.push_back(fitness_stays_below("5.10", fitness_of(evidence, run)));
   }
-  findings.claims[0].measured += ", with the seed's setting";
+  findings.claims[0].measured += ", with the dissertation's setting";
   findings.claims[1].measured += ", as built in";
   return findings;
 }

@@ -4,8 +4,9 @@
 
 namespace odoless {
 
-/// Recorded logs that are public: the seed's own first one (Duke University, D-Wing), and in place of the others, which
-/// are not public, building 079 in Freiburg, the ACES building in Austin, and key scans far apart in Orebro.
+/// Recorded logs that are public: the dissertation's own first one (Duke University, D-Wing), and in place of the
+/// others, which are not public, building 079 in Freiburg, the ACES building in Austin, and key scans far apart in
+/// Orebro.
 [[nodiscard]] Scene dwing_scene();
 [[nodiscard]] Scene fr079_scene();
 [[nodiscard]] Scene aces_scene();

@@ -1,4 +1,4 @@
-// Not in the seed: DP-SLAM as built in, in worlds that are hard in other ways.
+// Not in the dissertation: DP-SLAM as built in, in worlds that are hard in other ways.
 #include <array>
 
 #include "tools/experiment/groups.hpp"
@@ -29,7 +29,7 @@ std::vector<double> errors_of(const Evidence& evidence, const std::string& run) 
 Figure map_figure(const Evidence& evidence, const HardWorld& world, const std::string& run) {
   const RunOutput output = evidence.output(run);
   return {.name = std::string("map-") + world.name,
-          .caption = std::string("Not in the seed: map of ") + world.name + ".world",
+          .caption = std::string("Not in the dissertation: map of ") + world.name + ".world",
           .panels = {map_panel("occupancy, and the path", output.map,
                                {path_series("path", poses_of(output.trajectory), kBlue)})}};
 }
@@ -54,8 +54,9 @@ Findings conclude_worlds(const Evidence& evidence) {
       findings.claims.push_back(claim);
     }
   }
-  findings.figures.insert(findings.figures.begin(),
-                          {.name = "errors", .caption = "Not in the seed: error of position", .panels = {panel}});
+  findings.figures.insert(
+      findings.figures.begin(),
+      {.name = "errors", .caption = "Not in the dissertation: error of position", .panels = {panel}});
   findings.tables = {table};
   return findings;
 }

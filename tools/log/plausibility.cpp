@@ -116,7 +116,7 @@ void correct_order(ScanLog& log, Plausibility& out) {
   }
   if (static_cast<double>(back) > kBackwards * static_cast<double>(steps)) {
     out.wrong =
-        fmt::format("the stamps run backwards: {} scans are older than the one before", share_text(back, steps));
+        fmt::format("the stamps are out of order: {} scans are older than the one before", share_text(back, steps));
     out.right = "scans in the order in which they were taken; `tac` turns a file about";
     return;
   }

@@ -49,14 +49,15 @@ void define(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", "odolessd " ODOLESS_VERSION);
   app.failure_message(CLI::FailureMessage::simple);
   app.add_option("--config", arguments.config, "TOML file of the robot (see `odoless config defaults`)");
-  app.add_flag("--check", arguments.check, "Read the configuration, say what is wrong with it, and end");
+  app.add_flag("--check", arguments.check, "Check the configuration, print what is wrong with it, and exit");
   app.add_option(
       "--out", arguments.out,
       "Folder of runs: map, trajectories and summary of this one go into a new folder in there, at the end and on "
       "`odoless ctl save`; `latest` leads to it");
   app.add_option("--world", arguments.world,
                  "World file that keyframes, submaps and the pose graph are kept in; made where it is not there");
-  app.add_option("--stages", arguments.stages, "What runs here; the rest runs elsewhere: " + std::string(kStageSets))
+  app.add_option("--stages", arguments.stages,
+                 "Stages that run here; the others run elsewhere: " + std::string(kStageSets))
       ->capture_default_str();
   app.add_option("--replay", arguments.replay, "A recorded log instead of the laser; ends with it");
   app.add_option("--rate", arguments.rate,
@@ -67,7 +68,7 @@ void define(CLI::App& app, Arguments& arguments) {
   app.add_option("--period-ms", arguments.period_ms, "Time between scans of a log without stamps")
       ->check(CLI::Range(0.001, 1e6))
       ->capture_default_str();
-  app.add_option("--seed", arguments.seed, "Seed of the random generator")->capture_default_str();
+  app.add_option("--seed", arguments.seed, "Random seed")->capture_default_str();
   app.add_flag(
       "--require-realtime", arguments.require_realtime,
       "End with status 77 where real-time scheduling or locked memory is refused, 78 where a stage has no priority");

@@ -27,7 +27,7 @@ constexpr double kNever = 1.0;
 constexpr std::array<Bound, 6> kBounds{{
     {&RunFigures::lost, 0.001, 0.1, "were taken while the robot was lost"},
     {&RunFigures::poor, 0.02, 0.2, "match the scans before them poorly"},
-    {&RunFigures::doubtful, 0.02, kNever, "have a pose that was not sure"},
+    {&RunFigures::doubtful, 0.02, kNever, "have an uncertain pose"},
     {&RunFigures::outside, 0.005, kNever, "reach beyond the grid: what lies there is not in the map"},
     {&RunFigures::ambiguous, 0.5, kNever, "match in several places"},
     {&RunFigures::untimed, 0.33, kNever, "have stamps that do not tell when they were taken"},

@@ -32,8 +32,7 @@ struct SimulatedLrfParams {
     visit.value("rate_hz", self.rate_hz, Range{0.01, 1000.0}, "Scans per second.");
     visit.value("range_max_m", self.range_max_m, Range{0.1, 1000.0}, "Farther surfaces give no return.");
     visit.value("noise_sd_m", self.noise_sd_m, Range{0.0, 10.0}, "Standard deviation of the Gaussian range noise.");
-    visit.value("no_return_share", self.no_return_share, Range{0.0, 1.0},
-                "Share of beams that their surface swallows, at random.");
+    visit.value("no_return_share", self.no_return_share, Range{0.0, 1.0}, "Share of beams that drop out at random.");
     visit.flag(
         "distortion", self.distortion,
         "Whether each beam is cast at its own time, the mirror turning once per scan, and the scan is bent by motion.");
