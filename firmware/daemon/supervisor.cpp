@@ -205,9 +205,8 @@ bool Supervisor::watch() {
   if (silence.lasts_ns < watchdog_ns()) {
     return true;
   }
-  log_line(
-      EventPriority::kCritical,
-      fmt::format("the {} stage does not answer: ending, to be restarted (pipeline.watchdog_ms)", silence.stage));
+  log_line(EventPriority::kCritical,
+           fmt::format("the {} stage does not answer: ending, to be restarted (pipeline.watchdog_ms)", silence.stage));
   return false;
 }
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "core/math/elementary.hpp"
 #include "tools/emulate/cia402_device.hpp"
 
 // What a drive does by its profile (CiA 402-2): power stage, set points, homing.
@@ -122,8 +124,8 @@ void Cia402Device::follow_target() {
   const double low = dictionary_.get_signed({0x607D, 1});
   const double high = dictionary_.get_signed({0x607D, 2});
   const double target = std::clamp(wished, low, std::max(low, high));
-  const double time_s =
-      dictionary_.get({0x60C2, 1}) * std::pow(10.0, static_cast<std::int8_t>(dictionary_.get({0x60C2, 2})));
+  const double time_s = dictionary_.get({0x60C2, 1}) *
+                        math::exp(std::numbers::ln10 * static_cast<std::int8_t>(dictionary_.get({0x60C2, 2})));
   motor_.set_profile(std::abs(target - motor_.position_counts()) / std::max(time_s, 1e-4), kFastSlope);
   motor_.go_to(target);
 }

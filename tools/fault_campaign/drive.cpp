@@ -6,6 +6,7 @@
 
 #include "core/base/rng.hpp"
 #include "core/geometry/interpolated.hpp"
+#include "core/math/elementary.hpp"
 #include "tools/sim/ray_caster.hpp"
 #include "tools/sim/wanderer.hpp"
 
@@ -67,7 +68,7 @@ void Drive::carry_away(const Scenario& scenario) {
     const double bearing_rad = chance.uniform(-std::numbers::pi, std::numbers::pi);
     const double yaw_rad = chance.uniform(-std::numbers::pi, std::numbers::pi);
     const double way_m = tries < kTries / 2 ? scenario.fault.severity : other.uniform(bounds.min, bounds.max);
-    const Pose2 place{from.x_m + way_m * std::cos(bearing_rad), from.y_m + way_m * std::sin(bearing_rad), yaw_rad};
+    const Pose2 place{from.x_m + way_m * math::cos(bearing_rad), from.y_m + way_m * math::sin(bearing_rad), yaw_rad};
     if (!wanderer.can_stand(place) || !was_seen(place, scenario)) {
       continue;
     }
@@ -86,13 +87,13 @@ bool Drive::was_seen(const Pose2& place, const Scenario& scenario) const {
   for (double time_s = 0.0; time_s < carried_s_; time_s += kLookEvery_s) {
     const Pose2 robot = at(time_s);
     const Point2 seen = robot.inverse() * Point2{place.x_m, place.y_m};
-    const double way_m = std::hypot(seen.x_m, seen.y_m);
-    const double bearing_rad = std::atan2(seen.y_m, seen.x_m);
+    const double way_m = math::hypot(seen.x_m, seen.y_m);
+    const double bearing_rad = math::atan2(seen.y_m, seen.x_m);
     if (way_m > std::min(kSeenFrom_m, laser.range_max_m) || std::abs(bearing_rad) > 0.5 * laser.field_of_view_rad) {
       continue;
     }
     const double angle_rad = robot.yaw_rad + bearing_rad;
-    if (cast_ray_m(world_, {robot.x_m, robot.y_m}, {std::cos(angle_rad), std::sin(angle_rad)}) > way_m) {
+    if (cast_ray_m(world_, {robot.x_m, robot.y_m}, {math::cos(angle_rad), math::sin(angle_rad)}) > way_m) {
       return true;
     }
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/rng.hpp"
+#include "core/math/elementary.hpp"
 #include "tools/fault_campaign/faults.hpp"
 
 namespace odoless::campaign {
@@ -78,9 +79,9 @@ struct Person {
 
 Pillar seen_at(const Person& person, double true_s) {
   constexpr double kRadius_m = 0.25;
-  const double distance_m = person.distance_m + person.sway_m * std::sin(person.sway_radps * true_s);
+  const double distance_m = person.distance_m + person.sway_m * math::sin(person.sway_radps * true_s);
   const double bearing_rad = person.bearing_rad + person.turn_radps * true_s;
-  return {{distance_m * std::cos(bearing_rad), distance_m * std::sin(bearing_rad)}, kRadius_m};
+  return {{distance_m * math::cos(bearing_rad), distance_m * math::sin(bearing_rad)}, kRadius_m};
 }
 
 std::vector<Person> draw_people(const Fault& fault, Rng& chance) {
@@ -106,7 +107,7 @@ void crowd(const Fault& fault, Rng& chance, ScanStream& stream) {
       double nearest_m = std::numeric_limits<double>::infinity();
       for (const Person& person : people) {
         nearest_m = std::min(nearest_m, ray_to_pillar(seen_at(person, scan.true_s), {0.0, 0.0},
-                                                      {std::cos(angle_rad), std::sin(angle_rad)}));
+                                                      {math::cos(angle_rad), math::sin(angle_rad)}));
       }
       const double seen_m = nearest_m + kNoise_sd_m * chance.normal();
       scan.ranges_m[i] = std::min(scan.ranges_m[i], static_cast<float>(std::max(0.0, seen_m)));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/math/elementary.hpp"
+
 namespace odoless {
 namespace {
 
@@ -47,7 +49,7 @@ double ray_to_pillar(const Pillar& pillar, const Point2& origin, const Point2& d
 Pillar aside(const Pillar& person, const Point2& robot) {
   const double x_m = person.centre.x_m - robot.x_m;
   const double y_m = person.centre.y_m - robot.y_m;
-  const double away_m = std::hypot(x_m, y_m);
+  const double away_m = math::hypot(x_m, y_m);
   if (away_m >= kAside_m) {
     return person;
   }

@@ -185,7 +185,7 @@ void to_ros(const GridExtent& extent, std::span<const std::uint8_t> percent, con
                                      "scans refused",
                                      "laser sees nothing",
                                      "same scan again and again",
-                                     "poor matches",
+                                     "scans do not match each other",
                                      "unconstrained direction",
                                      "scans do not fit to the map",
                                      "overload",
@@ -203,11 +203,13 @@ void to_ros(const GridExtent& extent, std::span<const std::uint8_t> percent, con
                                      "laser not level",
                                      "3D map full",
                                      "tilt servo's answers missing or wrong",
-                                     "motions of the matcher elsewhere refused"};
+                                     "motions received over LCM refused",
+                                     "LCM messages that are not authentic refused",
+                                     "commanded sweep"};
   return bit >= 0 && static_cast<std::size_t>(bit) < kTexts.size() ? kTexts[static_cast<std::size_t>(bit)] : "";
 }
 
-/// "DEGRADED: poor matches, map full".
+/// "DEGRADED: map full, laser not level".
 [[nodiscard]] inline std::string state_text(const health_t& health) {
   static constexpr std::array kStates{"INIT", "OK", "DEGRADED", "LOST", "FAULT"};
   const auto state = static_cast<std::size_t>(health.state);
