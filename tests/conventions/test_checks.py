@@ -122,7 +122,7 @@ class Elementary(unittest.TestCase):
     def test_lets_own_and_exact_ones_pass(self):
         good = "auto a = math::sin(x) + std::sqrt(y) + std::remainder(x, y) + log_sum(x) + sin_ * cos;  // exp(x)\n"
         self.assertEqual(elementary.problems({"core/a/b.cpp": good}), [])
-        self.assertEqual(elementary.problems({"core/math/b.cpp": "exp(x)", "tools/sim/a.cpp": "std::sin(x)"}), [])
+        self.assertEqual(elementary.problems({"core/math/b.cpp": "exp(x)", "tools/output/a.cpp": "std::sin(x)"}), [])
 
 
 class Sizes(unittest.TestCase):
