@@ -36,7 +36,7 @@ TEST(ControlCommand, ReadsEachCommand) {
     ASSERT_TRUE(std::holds_alternative<ControlCommand>(parsed)) << refusal_of(line);
     EXPECT_EQ(std::get<ControlCommand>(parsed).kind, kind);
   }
-  const auto pose = std::get<ControlCommand>(parse_control_command("pose -1.5 2e0 -270")).map_T_scan;
+  const auto pose = std::get<ControlCommand>(parse_control_command("pose -1.5 2e0 -270")).map_T_robot;
   EXPECT_EQ(pose.x_m, -1.5);
   EXPECT_EQ(pose.y_m, 2.0);
   EXPECT_NEAR(pose.yaw_rad, std::numbers::pi / 2.0, 1e-12);
@@ -92,9 +92,9 @@ TEST(ControlCommand, WhateverComesIsRefusedOrWithinItsLimits) {
     }
     const auto parsed = parse_control_command(line);
     if (const auto* const command = std::get_if<ControlCommand>(&parsed)) {
-      ASSERT_LE(std::abs(command->map_T_scan.x_m), kPoseMax_m) << line;
-      ASSERT_LE(std::abs(command->map_T_scan.y_m), kPoseMax_m) << line;
-      ASSERT_LE(std::abs(command->map_T_scan.yaw_rad), std::numbers::pi) << line;
+      ASSERT_LE(std::abs(command->map_T_robot.x_m), kPoseMax_m) << line;
+      ASSERT_LE(std::abs(command->map_T_robot.y_m), kPoseMax_m) << line;
+      ASSERT_LE(std::abs(command->map_T_robot.yaw_rad), std::numbers::pi) << line;
     } else {
       ASSERT_FALSE(refusal_of(line).empty());
     }
