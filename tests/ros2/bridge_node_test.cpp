@@ -77,7 +77,7 @@ class Bridge : public ::testing::Test {
 TEST_F(Bridge, PosesAndFramesAreThoseOfTheBase) {
   PoseRecord record;
   record.stamp_ns = 1'700'000'000'500'000'000;
-  record.map_T_robot = {5.0, 1.0, 0.0};
+  record.map_T_scan = {5.0, 1.0, 0.0};
   record.map_T_odom = {1.0, 1.0, 0.0};
   pose_estimate_t estimate{};
   bot_core::rigid_transform_t map_to_odom{};
@@ -88,10 +88,10 @@ TEST_F(Bridge, PosesAndFramesAreThoseOfTheBase) {
     lcm_.publish("ODOLESS_MAP_TO_ODOM", &map_to_odom);
   });
   const auto pose = last<ros::PoseWithCovarianceStamped>("pose");
-  EXPECT_NEAR(pose.pose.pose.position.x, 4.8, 1e-12);
+  EXPECT_NEAR(pose.pose.pose.position.x, 5.0, 1e-12);
   const auto tree = last<ros::TFMessage>("/tf");
   EXPECT_EQ(tree.transforms.at(0).transform.translation.x, 1.0);
-  EXPECT_NEAR(tree.transforms.at(1).transform.translation.x, 3.8, 1e-12);
+  EXPECT_NEAR(tree.transforms.at(1).transform.translation.x, 4.0, 1e-12);
   EXPECT_EQ(last<ros::TFMessage>("/tf_static").transforms.at(0).transform.translation.x, 0.2);
 }
 
@@ -177,9 +177,9 @@ TEST_F(Bridge, AnInitialPoseBecomesTheDaemonsCommand) {
   daemon.join();
   const auto command = parse_control_command(asked);
   ASSERT_TRUE(std::holds_alternative<ControlCommand>(command)) << asked;
-  const Pose2 map_T_laser = std::get<ControlCommand>(command).map_T_robot;
-  EXPECT_NEAR(map_T_laser.distance_m({3.0, -0.8, 0.0}), 0.0, 1e-5);
-  EXPECT_NEAR(map_T_laser.yaw_rad, 0.5 * std::numbers::pi, 1e-6);
+  const Pose2 map_T_base = std::get<ControlCommand>(command).map_T_robot;
+  EXPECT_NEAR(map_T_base.distance_m({3.0, -1.0, 0.0}), 0.0, 1e-5);
+  EXPECT_NEAR(map_T_base.yaw_rad, 0.5 * std::numbers::pi, 1e-6);
   EXPECT_THAT(rclcpp::world().logged.back(), HasSubstr("done"));
 }
 

@@ -84,7 +84,7 @@ class BridgeNode : public rclcpp::Node {
   void take_pose(const lcm::ReceiveBuffer*, const std::string&, const pose_estimate_t* estimate) {
     estimate_ = *estimate;
     geometry_msgs::msg::PoseWithCovarianceStamped pose;
-    to_ros(*estimate, base_T_laser_, frames_, pose);
+    to_ros(*estimate, frames_, pose);
     pose_->publish(pose);
   }
 
@@ -92,7 +92,7 @@ class BridgeNode : public rclcpp::Node {
   void take_map_to_odom(const lcm::ReceiveBuffer*, const std::string&, const bot_core::rigid_transform_t* transform) {
     if (transform->utime == estimate_.utime) {
       tf2_msgs::msg::TFMessage transforms;
-      to_ros(estimate_, pose_of(*transform), base_T_laser_, frames_, transforms);
+      to_ros(estimate_, pose_of(*transform), frames_, transforms);
       transforms_->publish(transforms);
     }
   }
@@ -119,7 +119,7 @@ class BridgeNode : public rclcpp::Node {
   }
 
   void put(const geometry_msgs::msg::PoseWithCovarianceStamped& pose) {
-    const std::string command = initial_pose_command(pose, base_T_laser_, frames_);
+    const std::string command = initial_pose_command(pose, frames_);
     if (command.empty()) {
       RCLCPP_ERROR(get_logger(), "initialpose: a finite pose in the frame %s is needed", frames_.map.c_str());
       return;

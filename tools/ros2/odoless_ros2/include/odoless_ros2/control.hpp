@@ -19,16 +19,15 @@ namespace odoless::ros {
 /// The daemon's command that puts the robot where /initialpose says; empty where that is no pose in the map's frame.
 /// @param pose  A PoseWithCovarianceStamped of the base, whose covariance the daemon has no use for.
 template <class PoseWithCovarianceStamped>
-[[nodiscard]] std::string initial_pose_command(const PoseWithCovarianceStamped& pose, const Pose2& base_T_laser,
-                                               const Frames& frames) {
-  const Pose2 map_T_laser = pose_of(pose.pose.pose) * base_T_laser;
-  if (pose.header.frame_id != frames.map || !std::isfinite(map_T_laser.x_m) || !std::isfinite(map_T_laser.y_m) ||
-      !std::isfinite(map_T_laser.yaw_rad)) {
+[[nodiscard]] std::string initial_pose_command(const PoseWithCovarianceStamped& pose, const Frames& frames) {
+  const Pose2 map_T_base = pose_of(pose.pose.pose);
+  if (pose.header.frame_id != frames.map || !std::isfinite(map_T_base.x_m) || !std::isfinite(map_T_base.y_m) ||
+      !std::isfinite(map_T_base.yaw_rad)) {
     return "";
   }
   std::array<char, 1024> text{};
-  std::snprintf(text.data(), text.size(), "pose %.6f %.6f %.6f", map_T_laser.x_m, map_T_laser.y_m,
-                map_T_laser.yaw_rad * 180.0 / std::numbers::pi);
+  std::snprintf(text.data(), text.size(), "pose %.6f %.6f %.6f", map_T_base.x_m, map_T_base.y_m,
+                map_T_base.yaw_rad * 180.0 / std::numbers::pi);
   return text.data();
 }
 

@@ -86,43 +86,27 @@ void set_transform(std::int64_t utime, const std::string& parent, const std::str
   set_yaw(parent_T_child.yaw_rad, out.transform.rotation);
 }
 
-/// map -> odom and odom -> base of one moment. @param base_T_laser  Where the laser is mounted.
+/// map -> odom and odom -> base of one moment.
 template <class TFMessage>
-void to_ros(const pose_estimate_t& estimate, const Pose2& map_T_odom, const Pose2& base_T_laser, const Frames& frames,
-            TFMessage& out) {
-  const Pose2 map_T_base = pose_of(estimate) * base_T_laser.inverse();
+void to_ros(const pose_estimate_t& estimate, const Pose2& map_T_odom, const Frames& frames, TFMessage& out) {
   out.transforms.resize(2);
   set_transform(estimate.utime, frames.map, frames.odom, map_T_odom, out.transforms[0]);
-  set_transform(estimate.utime, frames.odom, frames.base, map_T_odom.inverse() * map_T_base, out.transforms[1]);
+  set_transform(estimate.utime, frames.odom, frames.base, map_T_odom.inverse() * pose_of(estimate), out.transforms[1]);
 }
 
-/// The base in the map, and the covariance of that: an error of yaw swings the base about the laser. Of z, roll and
-/// pitch nothing is claimed but that they are 0.
+/// The base in the map, which the daemon's poses are of. Of z, roll and pitch nothing is claimed but that they are 0.
 template <class PoseWithCovarianceStamped>
-void to_ros(const pose_estimate_t& estimate, const Pose2& base_T_laser, const Frames& frames,
-            PoseWithCovarianceStamped& out) {
-  const Pose2 map_T_laser = pose_of(estimate);
-  const Pose2 map_T_base = map_T_laser * base_T_laser.inverse();
+void to_ros(const pose_estimate_t& estimate, const Frames& frames, PoseWithCovarianceStamped& out) {
   set_header(estimate.utime, frames.map, out.header);
-  set_pose(map_T_base, out.pose.pose);
-  const std::array<double, 2> swing_m{map_T_laser.y_m - map_T_base.y_m, map_T_base.x_m - map_T_laser.x_m};
-  const double yaw_variance_rad2 = estimate.covariance[8];
-  const auto of_yaw = [&](int i) { return estimate.covariance[3 * i + 2]; };
+  set_pose(pose_of(estimate), out.pose.pose);
   constexpr std::size_t kSide = 6;
-  constexpr std::size_t kYaw = 5;
+  constexpr std::array<std::size_t, 3> kAt{0, 1, 5};  // of x, y and yaw
   out.pose.covariance = {};
-  for (int i = 0; i < 2; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    for (int j = 0; j < 2; ++j) {
-      const auto with = static_cast<std::size_t>(j);
-      out.pose.covariance[kSide * at + with] = estimate.covariance[3 * i + j] + swing_m[at] * of_yaw(j) +
-                                               of_yaw(i) * swing_m[with] +
-                                               swing_m[at] * yaw_variance_rad2 * swing_m[with];
+  for (std::size_t i = 0; i < kAt.size(); ++i) {
+    for (std::size_t j = 0; j < kAt.size(); ++j) {
+      out.pose.covariance[kSide * kAt[i] + kAt[j]] = estimate.covariance[3 * i + j];
     }
-    out.pose.covariance[kSide * at + kYaw] = of_yaw(i) + swing_m[at] * yaw_variance_rad2;
-    out.pose.covariance[kSide * kYaw + at] = out.pose.covariance[kSide * at + kYaw];
   }
-  out.pose.covariance[kSide * kYaw + kYaw] = yaw_variance_rad2;
 }
 
 /// What planar_lidar_t does not say of a scan.
