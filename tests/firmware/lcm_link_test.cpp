@@ -314,10 +314,10 @@ TEST(LcmLink, SendsOneOfEachToWhoeverListens) {
   params.url = test::lcm_url();
   params.raw_bytes = true;
   const Channels c;
-  const std::vector<std::string> all{
-      c.tilt,        c.scan,        c.lrf_raw_rx,  c.lrf_raw_tx,  c.motion,     c.pose,        c.pose_covariance,
-      c.map_to_odom, c.map_tile,    c.map,         c.health,      c.lrf_status, c.scan_points, c.tilt_raw_rx,
-      c.tilt_raw_tx, c.gpio_raw_rx, c.gpio_raw_tx, c.cloud_health};
+  const std::vector<std::string> all{c.tilt,        c.scan,        c.lrf_raw_rx,      c.lrf_raw_tx,  c.motion,
+                                     c.pose,        c.laser_pose,  c.pose_covariance, c.map_to_odom, c.map_tile,
+                                     c.map,         c.health,      c.lrf_status,      c.scan_points, c.tilt_raw_rx,
+                                     c.tilt_raw_tx, c.gpio_raw_rx, c.gpio_raw_tx,     c.cloud_health};
   LcmReceiver receiver(params, all);
   ASSERT_EQ(receiver.open(), Errc::kOk) << receiver.reason();
   LcmLink link(params, kMapCellsMax);

@@ -74,7 +74,7 @@ TEST(LrfSource, OpensADeadLineAnewEveryTwoSecondsAndTellsOfItOnceAnOutage) {
     const int before = bench.reopened;
     bench.run(60 * kSecond);
     EXPECT_GE(bench.reopened - before, 24);
-    EXPECT_EQ(bench.heard.times("silent"), outage);
+    EXPECT_EQ(bench.heard.times("no data"), outage);
     EXPECT_EQ(bench.heard.times("opened again"), outage);
     laser.is_off = false;
     bench.run(40 * kSecond);

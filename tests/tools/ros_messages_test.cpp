@@ -148,7 +148,7 @@ TEST(RosConversion, AGridHasPercentAndUnknown) {
 TEST(RosConversion, DiagnosticsNameTheStateAndEveryReason) {
   HealthReport report;
   report.state = HealthState::kDegraded;
-  for (int bit = 0; bit < 24; ++bit) {
+  for (int bit = 0; bit < 26; ++bit) {
     report.reasons = 1U << static_cast<unsigned>(bit);
     health_t health{};
     to_message(report, health);
@@ -158,7 +158,7 @@ TEST(RosConversion, DiagnosticsNameTheStateAndEveryReason) {
     EXPECT_EQ(told.status[0].message, std::string("DEGRADED: ") + ros::reason_text(bit));
     EXPECT_NE(told.status[0].message, "DEGRADED: ");
   }
-  EXPECT_EQ(ros::reason_text(24), std::string());
+  EXPECT_EQ(ros::reason_text(26), std::string());
   const std::array<int, 5> levels{3, 0, 1, 2, 2};
   for (int state = 0; state < 5; ++state) {
     health_t health{};

@@ -90,9 +90,9 @@ struct ReplayMcap::Parts {
 
   void write_pose(const PoseRecord& record) {
     to_message(record, estimate);
-    ros::to_ros(estimate, record.map_T_odom, {}, names, transforms.message);
+    ros::to_ros(estimate, record.map_T_odom, names, transforms.message);
     transforms.write(record.stamp_ns);
-    ros::to_ros(estimate, Pose2{}, names, pose.message);
+    ros::to_ros(estimate, names, pose.message);
     pose.write(record.stamp_ns);
   }
 
