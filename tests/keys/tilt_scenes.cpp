@@ -99,7 +99,6 @@ std::vector<Scene> scenes() {
           servo_with("dynamixel", "driver = \"dynamixel\"\n" + wide),
           servo_with("cia402", "driver = \"cia402\"\n" + wide),
           servo_with("cia402 homing", "driver = \"cia402\"\nhoming_method = 17\n"),
-          servo_with("cia402 cyclic", "driver = \"cia402\"\ncyclic_position = true\n" + wide),
           servo_with("maestro", "driver = \"maestro\"\n" + wide),
           servo_with("dynamixel silent", "driver = \"dynamixel\"\n", "silence@1:20"),
           servo_with("dynamixel jammed", "driver = \"dynamixel\"\n" + wide, "stall@1:20")};

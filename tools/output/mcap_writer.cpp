@@ -10,27 +10,15 @@
 
 #include "core/base/check.hpp"
 #include "tools/command/error.hpp"
+#include "tools/log/formats/mcap_format.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::string_view kMagic = "\x89MCAP0\r\n";
+using namespace mcap;  // NOLINT(google-build-using-namespace)
+
 constexpr std::string_view kPacking = "zstd";
 constexpr int kZstdLevel = 3;
-
-enum Op : std::uint8_t {
-  kHeader = 0x01,
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kMessageIndex = 0x07,
-  kChunkIndex = 0x08,
-  kStatistics = 0x0B,
-  kSummaryOffset = 0x0E,
-  kDataEnd = 0x0F,
-};
 
 /// What a record holds, field by field.
 class Fields {

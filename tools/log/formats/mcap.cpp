@@ -7,24 +7,16 @@
 #include "tools/log/formats/chunk.hpp"
 #include "tools/log/formats/formats.hpp"
 #include "tools/log/formats/laser_scan.hpp"
+#include "tools/log/formats/mcap_format.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::string_view kMagic = "\x89MCAP0\r\n";
+using namespace mcap;  // NOLINT(google-build-using-namespace)
+
 constexpr const char* kUndamaged = "an undamaged MCAP file; `mcap doctor` says more";
 constexpr std::size_t kChunkHeadBytesMax = 1024;
 constexpr std::size_t kNameBytesMax = 255;
-
-enum Op : unsigned char {
-  kHeader = 0x01,
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kDataEnd = 0x0F,
-};
 
 struct Channel {
   std::size_t topic = 0;
