@@ -202,7 +202,7 @@ bool Supervisor::watch() {
     tell(now_ns);
   }
   const StageWatch::Silence silence = stage_watch_->longest();
-  if (silence.lasts_ns < watchdog_ns()) {
+  if (silence.lasts_ns < options_.params.pipeline.watchdog_ns) {
     return true;
   }
   log_line(EventPriority::kCritical,
@@ -211,7 +211,7 @@ bool Supervisor::watch() {
 }
 
 void Supervisor::tell(std::int64_t now_ns) {
-  surroundings_.stage_silent = stage_watch_->longest().lasts_ns > watchdog_ns() / 2;
+  surroundings_.stage_silent = stage_watch_->longest().lasts_ns > options_.params.pipeline.watchdog_ns / 2;
   follow_gpio();
   surroundings_.save_error = saver_.error();
   machine_.publisher().set_surroundings(surroundings_, now_ns);

@@ -45,10 +45,6 @@ class Supervisor {
   void keep_tilt_open();
   [[nodiscard]] bool watch();
   void tell(std::int64_t now_ns);
-  /// Nothing bounds the rounds of a replay that may drop nothing.
-  [[nodiscard]] std::int64_t watchdog_ns() const {
-    return options_.params.pipeline.watchdog_ns * (options_.lossless ? 5 : 1);
-  }
   void follow_gpio();
   void reload();
   [[nodiscard]] std::string answer(std::string_view line, const ControlPeer& peer);

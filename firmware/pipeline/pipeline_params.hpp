@@ -14,7 +14,7 @@ struct PipelineParams {
   std::int64_t filter_budget_ns = 20'000'000;
   std::int64_t scan_budget_ns = 25'000'000;
   int particles_min = 10;
-  std::int64_t watchdog_ns = 400'000'000;
+  std::int64_t watchdog_ns = 2'000'000'000;
   int sensor_priority = 60;
   int matcher_priority = 50;
   int filter_priority = 40;
@@ -38,10 +38,10 @@ struct PipelineParams {
                 "CPU time for match and filter update of one scan together: the filter gets what the match has left. "
                 "Not used in a replay.");
     visit.value("particles_min", self.particles_min, Range{1, 10'000}, "Fewest particles, however short the time is.");
-    visit.value("watchdog_ns", self.watchdog_ns, Range<std::int64_t>{50'000'000, 60'000'000'000},
-                "Time without an answer after which a stage counts as hung, time that it waits for a processor aside: "
-                "the daemon "
-                "ends with status 70, to be restarted. Five times as long in a replay.");
+    visit.value(
+        "watchdog_ns", self.watchdog_ns, Range<std::int64_t>{50'000'000, 60'000'000'000},
+        "Time without an answer after which a stage counts as hung, time that it waits for a processor aside: the "
+        "daemon ends with status 70, to be restarted.");
     visit.value("sensor_priority", self.sensor_priority, Range{0, 98},
                 "Priority (SCHED_FIFO) of the sensor thread; 0: an ordinary thread.");
     visit.value("matcher_priority", self.matcher_priority, Range{0, 98}, "The same of the matcher thread.");

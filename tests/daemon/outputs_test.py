@@ -20,7 +20,7 @@ import unittest
 from support import DaemonCase, PROGRAMS, SOURCES
 
 EX_DATAERR, EX_CANTCREAT = 65, 73
-FILES = {"trajectory.tum", "trajectory_online.tum", "map.pgm", "map.yaml", "map.png", "summary.json"}
+FILES = {"trajectory.tum", "trajectory_online.tum", "map.pgm", "map.yaml", "map.png", "map.svg", "summary.json"}
 KILLS = 10
 
 

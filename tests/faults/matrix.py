@@ -121,7 +121,7 @@ ROWS = (
         {f"recover of {stopped} s": 1.0 for stopped in ("0.1", "0.5", "2.0")}),
     Row(35, "a stage hangs", S, "ends by the watchdog <= 0.5 s and the saving; OK again <= 3 s",
         daemon("faults", "saves_what_is_known_when_a_stage_hangs"), {"flag": 0.5, "recover": 3.0},
-        "restarted by hand here"),
+        "pipeline.watchdog_ms is 2000 by default; restarted by hand here"),
     Row(36, "kill -9 and power cuts at random times", S, "<= 2 s of map lost; no unreadable file; pose back <= 3 s",
         daemon("world", "a_kill_or_power_cut_at_any_moment_loses_two_seconds_at_most")
         + daemon("outputs", "a_kill_at_any_moment_leaves_whole_results_alone"), {"lost": 2.0, "pose back": 3.0}),
