@@ -33,8 +33,11 @@ inline World& world() {
 
 template <class... Values>
 void log(const char* format, Values... values) {
-  std::string text(4096, '\0');
-  text.resize(static_cast<std::size_t>(std::snprintf(text.data(), text.size(), format, values...)));
+  std::string text(format);
+  if constexpr (sizeof...(Values) > 0) {
+    text.assign(4096, '\0');
+    text.resize(static_cast<std::size_t>(std::snprintf(text.data(), text.size(), format, values...)));
+  }
   const std::scoped_lock lock(world().mutex);
   world().logged.push_back(text);
 }
