@@ -164,12 +164,12 @@ class World(DaemonCase):
         print(f"  {KILLS} kills and power cuts: the last {max(lost_s):.1f} s were lost at most")
         measured(36, "lost", max(lost_s), "s")
         self.assertLess(max(lost_s), 2.0)
-        self.disk("sound")
-        measured(36, "pose back", max(self.back_after_a_kill_s(environment) for _ in range(RETURNS)), "s")
         sessions = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
-        self.assertGreaterEqual(len(sessions), KILLS)  # one that is killed at once has nothing to keep
+        self.assertEqual(len(sessions), KILLS)
         for each in sessions:
             self.assertGreater(each["scans"], 0)
+        self.disk("sound")
+        measured(36, "pose back", max(self.back_after_a_kill_s(environment) for _ in range(RETURNS)), "s")
 
     def back_after_a_kill_s(self, environment):
         """From the start until the pose in the map of before can be used."""

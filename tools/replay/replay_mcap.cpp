@@ -47,6 +47,12 @@ ros::Frames frames() {
   return names;
 }
 
+/// Half a turn about its own x axis, before that.
+void roll_over(ros::Quaternion& rotation) {
+  std::swap(rotation.w, rotation.x);
+  std::swap(rotation.z, rotation.y);
+}
+
 /// Says when what grows with time is written again: the next time after a quarter of the time since the beginning, so
 /// that all of them together are no more than some times the last.
 class GrowingPeriod {
@@ -88,11 +94,19 @@ struct ReplayMcap::Parts {
     last_ns = std::max(last_ns, step.stamp_ns);
   }
 
+  /// Of the laser, as scans are: a replay's frames end there.
   void write_pose(const PoseRecord& record) {
-    to_message(record, estimate);
+    PoseRecord of_laser = record;
+    of_laser.laser = {};
+    of_laser.map_T_scan.yaw_rad = wrap_angle(record.map_T_scan.yaw_rad + record.laser.yaw_rad);
+    to_message(of_laser, estimate);
     ros::to_ros(estimate, record.map_T_odom, names, transforms.message);
-    transforms.write(record.stamp_ns);
     ros::to_ros(estimate, names, pose.message);
+    if (record.laser.is_flipped) {
+      roll_over(transforms.message.transforms[1].transform.rotation);
+      roll_over(pose.message.pose.pose.orientation);
+    }
+    transforms.write(record.stamp_ns);
     pose.write(record.stamp_ns);
   }
 
