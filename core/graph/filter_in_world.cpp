@@ -38,17 +38,17 @@ void FilterInWorld::update(const SubmapGraph& graph) {
     if (claim_ && is_found_since(graph.graph(), claimed_at_)) {
       claim_.reset();
     }
-    for (std::size_t i = 0; i < graph.submaps().size(); ++i) {
-      if (i == places_.size()) {
-        places_.emplace_back();
-      }
-      places_[i].map_T_submap = graph.graph().pose(static_cast<int>(i));
-      places_[i].local_T_submap = graph.submaps()[i].local_T_submap;
+    first_ = graph.first_submap();
+    places_.resize(graph.submaps().size() - first_);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      places_[i].map_T_submap = graph.graph().pose(static_cast<int>(first_ + i));
+      places_[i].local_T_submap = graph.submaps()[first_ + i].local_T_submap;
     }
   }
-  if (graph.keyframes().size() > 0) {
-    begin_ = graph.keyframes()[0].map_T_odom;
+  if (graph.keyframes().size() > graph.first_keyframe()) {
+    begin_ = graph.keyframes()[graph.first_keyframe()].map_T_odom;
   }
+  guess_ = graph.guess();
   graph_map_T_odom_ = graph.is_behind_unknown_motion() ? std::nullopt : std::optional(graph.map_T_odom());
 }
 
@@ -57,12 +57,15 @@ Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan)
   const bool has_jumped =
       !are_within(local_T_odom_.value_or(local_T_odom) * odom_T_scan, local_T_scan, kJump_m, kJump_rad);
   local_T_odom_ = local_T_odom;
+  if (guess_) {
+    return *guess_;
+  }
   if (places_.empty()) {
     return begin_.value_or(local_T_odom);
   }
   if (has_jumped) {
     claim_ = nearest(local_T_scan).value_or(claim_.value_or(places_.size() - 1));  // in the unknown: by the last known
-    claimed_at_ = static_cast<int>(places_.size());
+    claimed_at_ = static_cast<int>(first_ + places_.size());
   }
   const Pose2 newest = graph_map_T_odom_.value_or(places_.back().map_T_local() * local_T_odom);
   if (!claim_) {

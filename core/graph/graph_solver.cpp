@@ -124,7 +124,11 @@ GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max, con
     if (prior) {
       report.chi2 += add(graph, *prior);
     }
-    add_block(0, 0, kFixed * Eigen::Matrix3d::Identity());
+    for (int node = 0; node < graph.size(); ++node) {
+      if (graph.component(node) == node) {
+        add_block(node, node, kFixed * Eigen::Matrix3d::Identity());
+      }
+    }
     hessian_.resize(3 * graph.size(), 3 * graph.size());
     hessian_.setFromTriplets(entries_.begin(), entries_.end());
     if (!is_analysed) {

@@ -20,6 +20,14 @@ int KeyframeStore::add(const Keyframe& keyframe, std::span<const BeamCode> codes
   return size() - 1;
 }
 
+int KeyframeStore::most_beams() const {
+  int most = 0;
+  for (int i = 0; i < size(); ++i) {
+    most = std::max(most, static_cast<int>(at(i).keyframe.beams));
+  }
+  return most;
+}
+
 std::span<const BeamCode> KeyframeStore::codes(int index) const {
   return std::span(codes_).subspan(at(index).first_code, static_cast<std::size_t>(at(index).keyframe.beams));
 }

@@ -25,6 +25,8 @@ class KeyframeStore {
   [[nodiscard]] int size() const { return static_cast<int>(kept_.size()); }
   [[nodiscard]] const Keyframe& operator[](int index) const { return at(index).keyframe; }
   [[nodiscard]] const Pose2& submap_T_scan(int index) const { return at(index).submap_T_scan; }
+  /// Beams of the keyframe with the most.
+  [[nodiscard]] int most_beams() const;
   [[nodiscard]] std::span<const BeamCode> codes(int index) const;
   /// Every `stride`-th beam of a keyframe, as the scan that it was. `frame` has room for them.
   void load(int index, int stride, ScanFrame& frame) const;

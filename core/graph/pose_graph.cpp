@@ -35,6 +35,7 @@ Eigen::Vector3d error_between(const Pose2& measured, const Pose2& expected) {
 PoseGraph::PoseGraph(int nodes_max, int constraints_max)
     : nodes_max_(static_cast<std::size_t>(nodes_max)), constraints_max_(static_cast<std::size_t>(constraints_max)) {
   poses_.reserve(static_cast<std::size_t>(nodes_max));
+  components_.reserve(static_cast<std::size_t>(nodes_max));
   first_.reserve(static_cast<std::size_t>(nodes_max));
   constraints_.reserve(static_cast<std::size_t>(constraints_max));
   links_.reserve(static_cast<std::size_t>(constraints_max));
@@ -43,8 +44,17 @@ PoseGraph::PoseGraph(int nodes_max, int constraints_max)
 int PoseGraph::add_node(const Pose2& map_T_node) {
   ODOLESS_CHECK(!full());
   poses_.push_back(map_T_node);
+  components_.push_back(size() - 1);
   first_.push_back(kNone);
   return size() - 1;
+}
+
+int PoseGraph::largest_component() const {
+  std::vector<int> nodes(poses_.size() + 1);
+  for (const int component : components_) {
+    ++nodes[static_cast<std::size_t>(component)];
+  }
+  return static_cast<int>(std::max_element(nodes.begin(), nodes.end()) - nodes.begin());
 }
 
 void PoseGraph::add(const Constraint& constraint) {
@@ -55,6 +65,28 @@ void PoseGraph::add(const Constraint& constraint) {
   constraints_.push_back(constraint);
   links_.push_back({from, to});
   from = to = index;
+  const auto [first, other] = std::minmax({component(constraint.from), component(constraint.to)});
+  if (first != other) {
+    std::replace(components_.begin(), components_.end(), other, first);
+  }
+}
+
+bool PoseGraph::follows(int node) const {
+  for (int each = first_[static_cast<std::size_t>(node)]; each != kNone;) {
+    const Constraint& constraint = constraints_[static_cast<std::size_t>(each)];
+    if (!constraint.is_loop && constraint.to == node && constraint.from == node - 1) {
+      return true;
+    }
+    const Links& links = links_[static_cast<std::size_t>(each)];
+    each = constraint.from == node ? links.after_from : links.after_to;
+  }
+  return false;
+}
+
+void PoseGraph::move(int component, const Pose2& new_T_map) {
+  for (std::size_t node = 0; node < poses_.size(); ++node) {
+    poses_[node] = components_[node] == component ? new_T_map * poses_[node] : poses_[node];
+  }
 }
 
 void PoseGraph::project(int root, Projection& out) const {
@@ -97,7 +129,7 @@ void PoseGraph::project(int root, Projection& out) const {
 }
 
 std::size_t PoseGraph::memory_bytes() const {
-  return poses_.capacity() * (sizeof(Pose2) + sizeof(int)) +
+  return poses_.capacity() * (sizeof(Pose2) + 2 * sizeof(int)) +
          constraints_.capacity() * (sizeof(Constraint) + sizeof(Links));
 }
 

@@ -57,6 +57,15 @@ class PoseGraph {
   /// Only when there is room.
   void add(const Constraint& constraint);
 
+  /// Number of the nodes that are joined by constraints, whichever these are: the first one of them.
+  [[nodiscard]] int component(int node) const { return components_[static_cast<std::size_t>(node)]; }
+  /// Whether odometry leads to a node from the one before.
+  [[nodiscard]] bool follows(int node) const;
+  /// The component with the most nodes; 0 without any.
+  [[nodiscard]] int largest_component() const;
+  /// Moves all nodes of a component as one.
+  void move(int component, const Pose2& new_T_map);
+
   [[nodiscard]] const Pose2& pose(int node) const { return poses_[static_cast<std::size_t>(node)]; }
   [[nodiscard]] Pose2 between(int from, int to) const { return pose(from).inverse() * pose(to); }
   [[nodiscard]] std::span<Pose2> poses() { return poses_; }
@@ -79,6 +88,7 @@ class PoseGraph {
   std::size_t nodes_max_;
   std::size_t constraints_max_;
   std::vector<Pose2> poses_;
+  std::vector<int> components_;
   std::vector<int> first_;  ///< constraint of each node
   std::vector<Constraint> constraints_;
   std::vector<Links> links_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/graph/trajectory_correction.hpp"
 
@@ -47,6 +48,7 @@ double largest_sd(const Eigen::Matrix3d& covariance) {
 SubmapGraph::SubmapGraph(const GraphParams& params, const RobotLimits& limits, const ScanParams& scan,
                          std::uint64_t seed)
     : params_(params),
+      scan_(scan),
       limits_(limits),
       rng_(seed, 2),
       store_(params.keyframes_max, params.keyframe_beams_max),
@@ -58,10 +60,101 @@ SubmapGraph::SubmapGraph(const GraphParams& params, const RobotLimits& limits, c
 }
 
 bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
+  const int index = store_.size();
   if (!graph_.full() && graph_.has_room(1) && builder_.add(keyframe, codes, store_)) {
     add_submap();
   }
-  return phase_ != Phase::kIdle;
+  if (localiser_ && store_.size() > index) {
+    if (const std::optional<PlaceBySubmap> place = std::exchange(expected_, {})) {
+      localiser_->expect(graph_.component(place->submap), graph_.pose(place->submap) * place->submap_T_scan,
+                         keyframe.odom_T_scan);
+    }
+    localiser_->add(store_, index);
+  }
+  return has_work();
+}
+
+bool SubmapGraph::resume(const SubmapWorld& world) {
+  const int keyframes = world.store.size();
+  const auto constraints = static_cast<int>(world.graph.constraints().size());
+  if (keyframes > params_.keyframes_max || world.graph.size() > params_.submaps_max || !graph_.has_room(constraints) ||
+      world.store.most_beams() > params_.keyframe_beams_max) {
+    return false;
+  }
+  for (int k = 0; k < keyframes; ++k) {
+    store_.add(world.store[k], world.store.codes(k));
+    store_.place(k, world.store.submap_T_scan(k));
+  }
+  for (int i = 0; i < world.graph.size(); ++i) {
+    graph_.add_node(world.graph.pose(i));
+  }
+  for (const Constraint& each : world.graph.constraints()) {
+    graph_.add(each);
+  }
+  submaps_.assign(world.submaps.begin(), world.submaps.end());
+  attempts_.resize(submaps_.size());
+  first_submap_ = submaps_.size();
+  first_keyframe_ = keyframes;
+  anchor_ = world.anchor;
+  revisited_ = static_cast<int>(first_submap_);
+  ++revision_;
+  if (!submaps_.empty()) {
+    localiser_.emplace(params_, scan_);
+  }
+  return true;
+}
+
+void SubmapGraph::expect(const Pose2& map_T_scan) {
+  if (localiser_) {
+    expected_ = {anchor_, graph_.pose(anchor_).inverse() * map_T_scan};
+  }
+}
+
+void SubmapGraph::localise() {
+  const std::optional<Pose2> before = localiser_->guess();
+  static_cast<void>(localiser_->work(world(), static_cast<int>(first_submap_), matcher_, rng_));
+  revision_ += before.has_value() != localiser_->guess().has_value() ? 1 : 0;
+  if (const std::optional<PieceMatch> match = localiser_->found()) {
+    localiser_->forget();
+    join(*match);
+  }
+}
+
+std::optional<int> SubmapGraph::submap_of(int keyframe) const {
+  for (std::size_t i = submaps_.size(); i > first_submap_; --i) {
+    if (submaps_[i - 1].first_keyframe <= keyframe && keyframe < submaps_[i - 1].end_keyframe()) {
+      return static_cast<int>(i - 1);
+    }
+  }
+  return std::nullopt;
+}
+
+// Their keyframes belong to submaps only once these have ended.
+void SubmapGraph::join(const PieceMatch& match) {
+  if (!graph_.full() && graph_.has_room(1) && builder_.finish(store_)) {
+    add_submap();
+  }
+  const std::optional<int> submap = submap_of(match.keyframe);
+  if (!submap || !graph_.has_room(2)) {
+    ++counts_.refused;
+    return;
+  }
+  const Pose2 keyframe_T_submap = store_.submap_T_scan(match.keyframe).inverse();
+  const Pose2 reference_T_submap = match.reference_T_keyframe * keyframe_T_submap;
+  graph_.move(graph_.component(*submap),
+              graph_.pose(match.reference) * reference_T_submap * graph_.pose(*submap).inverse());
+  graph_.add({.from = match.reference,
+              .to = *submap,
+              .from_T_to = reference_T_submap,
+              .covariance = carried(match.covariance, keyframe_T_submap),
+              .is_loop = true});
+  ++counts_.accepted;
+  is_to_solve_ = true;
+  filter_.reset();  // it was of where the path was taken to lie
+  anchor_ = match.reference;
+  localiser_.reset();
+  phase_ = phase_ == Phase::kIdle ? Phase::kSolve : phase_;
+  ++revision_;
 }
 
 // The filter weighs the hypotheses of a motion that is not credible: there its word counts. Elsewhere it tells where
@@ -71,7 +164,7 @@ void SubmapGraph::add_submap() {
   while (work()) {
   }
   const Submap& submap = builder_.finished();
-  if (submaps_.empty()) {
+  if (!has_own_submaps()) {
     graph_.add_node(store_[submap.first_keyframe].map_T_odom * submap.odom_T_submap);
   } else {
     const int last = graph_.size() - 1;
@@ -83,7 +176,8 @@ void SubmapGraph::add_submap() {
         {.from = last, .to = node, .from_T_to = last_T_submap, .covariance = odometry.constraint_covariance(limits_)});
     filter_ = {
         .node = node,
-        .map_T_node = graph_.pose(0) * submaps_.front().local_T_submap.inverse() * submap.local_T_submap,
+        .map_T_node = graph_.pose(static_cast<int>(first_submap_)) * submaps_[first_submap_].local_T_submap.inverse() *
+                      submap.local_T_submap,
         .covariance =
             Eigen::Vector3d(kFilter_m * kFilter_m, kFilter_m * kFilter_m, kFilter_rad * kFilter_rad).asDiagonal()};
     is_to_solve_ = true;
@@ -107,7 +201,7 @@ void SubmapGraph::begin_work(int query) {
   }
   plan(query, params_.candidates, kAny_m);
   for (int i = 0; i < kRevisited; ++i) {
-    revisited_ = revisited_ >= query - 1 ? 0 : revisited_;
+    revisited_ = revisited_ >= query - 1 ? static_cast<int>(first_submap_) : revisited_;
     plan(revisited_, kRevisited_candidates, kRevisited_sd_m);
     ++revisited_;
   }
@@ -120,7 +214,7 @@ void SubmapGraph::plan(int query, int most, double sd_max_m) {
     const auto at = static_cast<std::size_t>(reference);
     const Eigen::Matrix3d& covariance = projection_.covariances[at];
     if (projection_.costs[at] >= PoseGraph::kUnreached ||
-        (query - reference < kNeighbours && covariance(2, 2) < kNeighbours_rad2)) {
+        (query - reference < kNeighbours && at >= first_submap_ && covariance(2, 2) < kNeighbours_rad2)) {
       continue;
     }
     const Pose2 query_T_reference = graph_.between(query, reference);
@@ -168,6 +262,10 @@ void SubmapGraph::note_attempt(int query, const Candidate& candidate) {
 }
 
 bool SubmapGraph::work() {
+  if (localiser_ && localiser_->has_work()) {
+    localise();
+    return has_work();
+  }
   switch (phase_) {
     case Phase::kIdle:
       return false;
@@ -181,7 +279,7 @@ bool SubmapGraph::work() {
       solve();
       break;
   }
-  return phase_ != Phase::kIdle;
+  return has_work();
 }
 
 void SubmapGraph::try_next() {
@@ -267,7 +365,7 @@ void SubmapGraph::finish() {
   }
   while (work()) {
   }
-  begin_work(graph_.size() - 1);
+  begin_work(has_own_submaps() ? graph_.size() - 1 : 0);
   while (work()) {
   }
   static_cast<void>(solver_.solve(graph_, kIterations));  // of the map itself, which the filter's drift is not part of
@@ -282,8 +380,8 @@ double SubmapGraph::used() const {
 }
 
 Pose2 SubmapGraph::map_T_odom() const {
-  if (submaps_.empty()) {
-    return store_.size() > 0 ? store_[0].map_T_odom : Pose2{};
+  if (!has_own_submaps()) {
+    return store_.size() > first_keyframe_ ? store_[first_keyframe_].map_T_odom : Pose2{};
   }
   const Submap& last = submaps_.back();
   return graph_.poses().back() * (is_behind_unknown_motion()
@@ -293,7 +391,7 @@ Pose2 SubmapGraph::map_T_odom() const {
 
 std::vector<StampedPose> SubmapGraph::corrected(std::span<const StampedPose> odom) const {
   std::vector<StampedPose> poses(odom.begin(), odom.end());
-  TrajectoryCorrection correction(submaps_, graph_);
+  TrajectoryCorrection correction(submaps_, graph_, first_submap_);
   correction.survey(odom);
   correction.correct(poses);
   return poses;

@@ -10,6 +10,7 @@
 #include "core/graph/graph_params.hpp"
 #include "core/graph/graph_solver.hpp"
 #include "core/graph/keyframe_store.hpp"
+#include "core/graph/localiser.hpp"
 #include "core/graph/loop_verifier.hpp"
 #include "core/graph/pose_graph.hpp"
 #include "core/graph/submap_builder.hpp"
@@ -24,6 +25,9 @@ namespace odoless {
 /// overlap it by what the odometry may have drifted. A match is taken at once where it cannot be another place, else
 /// when others agree with it. After every submap the graph is solved, with the newest one drawn to where the particle
 /// filter has it.
+///
+/// A run may continue a world that others have made: then its own submaps are a component apart, until a Localiser has
+/// found where they lie; from then on they are submaps like all others.
 ///
 /// Frames: map, which is where the first keyframe has it (REP 105). odom never jumps; map_T_odom does, at a correction.
 /// Thread: owned by one thread. Not for real-time threads. The same scans, motions and random seed give the same bytes.
@@ -41,6 +45,17 @@ class SubmapGraph {
 
   SubmapGraph(const GraphParams& params, const RobotLimits& limits, const ScanParams& scan, std::uint64_t seed);
 
+  /// Before the first keyframe: continues a world, which is copied. @return  Whether there is room for it: submaps,
+  /// constraints, keyframes, and beams of each.
+  [[nodiscard]] bool resume(const SubmapWorld& world);
+  /// While it is not known where the path lies in that world: where the robot may be by now, or was last.
+  void expect(const Pose2& map_T_scan);
+  void expect(const PlaceBySubmap& place) { expected_ = place; }
+  /// Whether it is known where the newest submap lies in the world.
+  [[nodiscard]] bool is_in_world() const { return !localiser_; }
+  /// Until then, map_T_odom that the last metres speak for, if they do.
+  [[nodiscard]] std::optional<Pose2> guess() const { return localiser_ ? localiser_->guess() : std::nullopt; }
+
   /// Every keyframe. @return  Whether there is work.
   bool add(const Keyframe& keyframe, std::span<const BeamCode> codes);
   /// One step of the work: a match, a verification or a solution. @return  Whether there is more.
@@ -54,9 +69,16 @@ class SubmapGraph {
   /// Grows when submaps are new or have moved.
   [[nodiscard]] std::int64_t revision() const { return revision_; }
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
+  /// A submap that the map is of: where the robot was found, else of the largest part.
+  [[nodiscard]] int anchor() const { return anchor_; }
+  /// The first submap and keyframe of this run.
+  [[nodiscard]] std::size_t first_submap() const { return first_submap_; }
+  [[nodiscard]] int first_keyframe() const { return first_keyframe_; }
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
   [[nodiscard]] const KeyframeStore& keyframes() const { return store_; }
-  [[nodiscard]] SubmapWorld world() const { return {store_, graph_, submaps_, map_T_odom()}; }
+  [[nodiscard]] SubmapWorld world() const {
+    return {store_, graph_, submaps_, is_in_world() ? std::optional(map_T_odom()) : std::nullopt, anchor_};
+  }
   [[nodiscard]] const Counts& counts() const { return counts_; }
   /// Share of the fullest pool, 0 to 1: submaps, constraints, keyframes.
   [[nodiscard]] double used() const;
@@ -86,6 +108,13 @@ class SubmapGraph {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of reference_T_query as projected
   };
 
+  [[nodiscard]] bool has_work() const { return phase_ != Phase::kIdle || (localiser_ && localiser_->has_work()); }
+  [[nodiscard]] bool has_own_submaps() const { return submaps_.size() > first_submap_; }
+  void localise();
+  /// Joins this run's submaps to the world by this match of its path.
+  void join(const PieceMatch& match);
+  /// The submap of this run that a keyframe belongs to; none: it was not taken.
+  [[nodiscard]] std::optional<int> submap_of(int keyframe) const;
   void add_submap();
   /// Plans the matches of a submap, and of a few older ones.
   void begin_work(int query);
@@ -99,6 +128,7 @@ class SubmapGraph {
   void solve();
 
   GraphParams params_;
+  ScanParams scan_;
   RobotLimits limits_;
   Rng rng_;
   KeyframeStore store_;
@@ -108,8 +138,13 @@ class SubmapGraph {
   SubmapMatcher matcher_;
   LoopVerifier verifier_;
   GraphSolver solver_;
-  std::optional<PosePrior> filter_;  ///< where the particle filter has the newest submap
-  std::vector<Attempts> attempts_;   ///< per submap
+  std::optional<Localiser> localiser_;  ///< while it is not known where this run lies in the world
+  std::size_t first_submap_ = 0;
+  int first_keyframe_ = 0;
+  int anchor_ = 0;                         ///< SubmapWorld
+  std::optional<PlaceBySubmap> expected_;  ///< of the next keyframe
+  std::optional<PosePrior> filter_;        ///< where the particle filter has the newest submap
+  std::vector<Attempts> attempts_;         ///< per submap
   PoseGraph::Projection projection_;
   std::vector<Candidate> candidates_;
   std::size_t next_candidate_ = 0;

@@ -64,22 +64,30 @@ SubmapMatcher::SubmapMatcher(const GraphParams& params, const ScanParams& scan)
 }
 
 void SubmapMatcher::set_query(const SubmapWorld& world, int query) {
-  if (std::exchange(query_submap_, query) == query) {
+  if (query_submap_ == query) {
     return;
   }
   const Submap& submap = world.submaps[static_cast<std::size_t>(query)];
+  piece_.clear();
+  for (int k = submap.first_keyframe; k < submap.end_keyframe(); ++k) {
+    piece_.push_back({k, world.store.submap_T_scan(k)});
+  }
+  set_query(world.store, piece_);
+  query_submap_ = query;
+}
+
+void SubmapMatcher::set_query(const KeyframeStore& store, std::span<const PathScan> piece) {
+  query_submap_ = -1;
   ScanFrame frame(scan_);
   PointSet points(scan_.beams_max);
   std::vector<Point2> kept;
   std::unordered_set<std::int64_t> voxels;
   query_.orientations.clear();
-  for (int i = 0; i < submap.keyframes; ++i) {
-    const int index = submap.first_keyframe + i;
-    const Pose2& submap_T_scan = world.store.submap_T_scan(index);
-    world.store.load(index, 1, frame);
+  for (const PathScan& each : piece) {
+    store.load(each.keyframe, 1, frame);
     points.clear();
-    append_thinned(frame, submap_T_scan, params_.reference.thinning_m, points);
-    query_.orientations.add(frame, submap_T_scan.yaw_rad, params_.reference.thinning_m);
+    append_thinned(frame, each.piece_T_scan, params_.reference.thinning_m, points);
+    query_.orientations.add(frame, each.piece_T_scan.yaw_rad, params_.reference.thinning_m);
     for (int k = 0; k < points.size(); ++k) {
       const Point2 p = points[k];
       constexpr std::int64_t kRow = 1 << 20;
@@ -107,9 +115,6 @@ void SubmapMatcher::forget(int reference) {
 }
 
 void SubmapMatcher::place(const SubmapWorld& world, int reference, int submap) {
-  if (submap < 0 || submap >= static_cast<int>(world.submaps.size())) {
-    return;
-  }
   const Submap& each = world.submaps[static_cast<std::size_t>(submap)];
   const Pose2 reference_T_submap = world.graph.between(reference, submap);
   const int beams = world.store[each.first_keyframe].beams;
@@ -133,8 +138,7 @@ MatchReference& SubmapMatcher::reference_of(const SubmapWorld& world, int submap
   }
   placed_.clear();
   place(world, submap, submap);
-  place(world, submap, submap - 1);
-  place(world, submap, submap + 1);
+  for_each_neighbour(world.graph, submap, [&](int neighbour) { place(world, submap, neighbour); });
   static_cast<void>(oldest->reference->rebuild(placed_));
   oldest->submap = submap;
   oldest->used = ++uses_;

@@ -3,10 +3,12 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/rng.hpp"
 #include "core/graph/graph_params.hpp"
+#include "core/graph/path_scan.hpp"
 #include "core/graph/submap_world.hpp"
 #include "core/match/match_reference.hpp"
 #include "core/match/pose_search.hpp"
@@ -47,6 +49,8 @@ class SubmapMatcher {
 
   /// The submap that is searched for from here on, complete with its neighbourhood.
   void set_query(const SubmapWorld& world, int query);
+  /// The same of a piece of a path, in whose frame the match then is.
+  void set_query(const KeyframeStore& store, std::span<const PathScan> piece);
   [[nodiscard]] SubmapMatch match(const SubmapWorld& world, int reference, const SubmapSearch& where, Rng& rng);
   /// A submap's neighbourhood has changed.
   void forget(int reference);
@@ -70,6 +74,7 @@ class SubmapMatcher {
   std::int64_t uses_ = 0;
   std::vector<ScanFrame> frames_;
   std::vector<PlacedScan> placed_;
+  std::vector<PathScan> piece_;
   SearchedScan query_;
   int query_submap_ = -1;
   PoseSearch search_;

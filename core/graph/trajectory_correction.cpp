@@ -4,10 +4,10 @@
 
 namespace odoless {
 
-TrajectoryCorrection::TrajectoryCorrection(std::span<const Submap> submaps, const PoseGraph& graph) {
-  for (std::size_t i = 0; i < submaps.size(); ++i) {
+TrajectoryCorrection::TrajectoryCorrection(std::span<const Submap> submaps, const PoseGraph& graph, std::size_t first) {
+  for (std::size_t i = first; i < submaps.size(); ++i) {
+    place_at_ns_.emplace(submaps[i].origin_stamp_ns, places_.size());
     places_.push_back({submaps[i].odom_T_submap, graph.pose(static_cast<int>(i))});
-    place_at_ns_.emplace(submaps[i].origin_stamp_ns, i);
   }
 }
 

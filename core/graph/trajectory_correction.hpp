@@ -19,7 +19,8 @@ namespace odoless {
 /// Thread: owned by one thread; it keeps nothing of the graph that it was made of.
 class TrajectoryCorrection {
  public:
-  TrajectoryCorrection(std::span<const Submap> submaps, const PoseGraph& graph);
+  /// @param first  Submaps from there on are the trajectory's.
+  TrajectoryCorrection(std::span<const Submap> submaps, const PoseGraph& graph, std::size_t first = 0);
 
   /// First, all pieces in their order. @param odom  odom_T_scan of all scans, keyframes and others.
   void survey(std::span<const StampedPose> odom);

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::uint32_t kAllTiles = 0xFFFF;
 constexpr std::uint8_t kUnknown = 255;
+constexpr int kNowhere = -1;
 
 }  // namespace
 
@@ -18,6 +19,7 @@ WorldTiles::WorldTiles(const BeamModelParams& beam, const ScanParams& scan, doub
       resolution_m_(resolution_m),
       rho_min_parts_(static_cast<float>(beam.rho_min_m / resolution_m * Cell::kParts)) {
   placed_.reserve(static_cast<std::size_t>(keyframes_max));
+  place_of_.reserve(static_cast<std::size_t>(keyframes_max));
   for (std::size_t i = 0; i < kPieces; ++i) {
     pieces_.push_back({.cells = MapPiece(resolution_m)});
   }
@@ -25,35 +27,37 @@ WorldTiles::WorldTiles(const BeamModelParams& beam, const ScanParams& scan, doub
 
 std::size_t WorldTiles::memory_bytes(int keyframes_max) {
   return kPieces * MapPiece::kSide_cells * MapPiece::kSide_cells * sizeof(Cell) +
-         static_cast<std::size_t>(keyframes_max) * sizeof(PlacedKeyframe);
+         static_cast<std::size_t>(keyframes_max) * (sizeof(PlacedKeyframe) + sizeof(int));
 }
 
 void WorldTiles::update(const SubmapWorld& world) {
   for_each_keyframe(world, [&](int keyframe, const Pose2& map_T_scan) {
-    const auto index = static_cast<std::size_t>(keyframe);
-    if (index >= placed_.size()) {
+    place_of_.resize(std::max(place_of_.size(), static_cast<std::size_t>(keyframe) + 1), kNowhere);
+    int& place = place_of_[static_cast<std::size_t>(keyframe)];
+    if (place == kNowhere) {
+      place = static_cast<int>(placed_.size());
       placed_.push_back({keyframe, map_T_scan, world.store.farthest_m(keyframe)});
-      note(index, false);
+      note(static_cast<std::size_t>(place), false);
     } else {
-      move(index, map_T_scan);
+      move(static_cast<std::size_t>(place), map_T_scan);
     }
   });
 }
 
-void WorldTiles::move(std::size_t keyframe, const Pose2& map_T_scan) {
+void WorldTiles::move(std::size_t place, const Pose2& map_T_scan) {
   constexpr double kLever_m = 10.0;
-  PlacedKeyframe& placed = placed_[keyframe];
+  PlacedKeyframe& placed = placed_[place];
   const double moved_m = placed.map_T_scan.distance_m(map_T_scan) +
                          kLever_m * std::abs(wrap_angle(placed.map_T_scan.yaw_rad - map_T_scan.yaw_rad));
   if (moved_m > resolution_m_) {
-    note(keyframe, true);
+    note(place, true);
     placed.map_T_scan = map_T_scan;
-    note(keyframe, true);
+    note(place, true);
   }
 }
 
-void WorldTiles::note(std::size_t keyframe, bool is_stale) {
-  for_each_piece(placed_[keyframe], resolution_m_, [&](const PieceIndex& index) {
+void WorldTiles::note(std::size_t place, bool is_stale) {
+  for_each_piece(placed_[place], resolution_m_, [&](const PieceIndex& index) {
     known_[index].is_stale |= is_stale;
     waiting_.insert(index);
   });

@@ -59,8 +59,8 @@ class WorldTiles {
     std::uint32_t told = 0;
   };
 
-  void move(std::size_t keyframe, const Pose2& map_T_scan);
-  void note(std::size_t keyframe, bool is_stale);
+  void move(std::size_t place, const Pose2& map_T_scan);
+  void note(std::size_t place, bool is_stale);
   /// The piece that is drawn on: kept, or the one that was not used for longest.
   Piece& piece_of(const PieceIndex& index);
   void finish(const PieceIndex& index);
@@ -70,7 +70,8 @@ class WorldTiles {
   BeamModel model_;
   double resolution_m_;
   float rho_min_parts_;
-  std::vector<PlacedKeyframe> placed_;  ///< as they are drawn
+  std::vector<PlacedKeyframe> placed_;  ///< as they are drawn, in the order in which they came into the world
+  std::vector<int> place_of_;           ///< each keyframe's place there
   std::vector<Pose2> submaps_;          ///< as they are drawn
   Pose2 map_T_odom_{};                  ///< the same of keyframes without a submap
   std::list<Piece> pieces_;             ///< the one that was used last first

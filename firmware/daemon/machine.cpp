@@ -150,12 +150,12 @@ Lack Machine::open() {
       return {error == Errc::kBadAddress ? EX_CONFIG : EX_UNAVAILABLE, lcm->reason()};
     }
   }
-  if (const FileFailure failed = publisher_.world() != nullptr ? publisher_.world()->open() : FileFailure{};
-      failed.any()) {
+  if (const FileFailure failed = publisher_.open_world(); failed.any()) {
     return {
-        failed.error == EBADMSG ? EX_DATAERR
-        : failed.error == EBUSY ? EX_UNAVAILABLE
-                                : EX_CANTCREAT,
+        failed.error == EBADMSG     ? EX_DATAERR
+        : failed.error == EBUSY     ? EX_UNAVAILABLE
+        : failed.error == EOVERFLOW ? EX_CONFIG
+                                    : EX_CANTCREAT,
         fmt::format("world file {}: {}; a world file is needed, or a path where one can be made (--world, world.file)",
                     publisher_.world()->report().file, failed.text)};
   }

@@ -37,16 +37,13 @@ LineKeeper::Open laser_opener(const DaemonParams& params) {
 }
 
 FilterCommand filter_command_of(const ControlCommand& command, const LaserPlace& laser, const Publisher& publisher) {
-  switch (command.kind) {
-    case ControlCommand::Kind::kPose:
-      return {FilterCommand::Kind::kSetPose, publisher.to_local(laser.scan_of(command.map_T_robot))};
-    case ControlCommand::Kind::kPause:
-      return {FilterCommand::Kind::kPause};
-    case ControlCommand::Kind::kResume:
-      return {FilterCommand::Kind::kResume};
-    default:
-      return {FilterCommand::Kind::kReset};
+  using Kind = FilterCommand::Kind;
+  if (command.kind == ControlCommand::Kind::kPose) {
+    return {Kind::kSetPose, publisher.to_local(laser.scan_of(command.map_T_robot))};
   }
+  return {command.kind == ControlCommand::Kind::kPause    ? Kind::kPause
+          : command.kind == ControlCommand::Kind::kResume ? Kind::kResume
+                                                          : Kind::kReset};
 }
 
 }  // namespace
@@ -307,8 +304,11 @@ std::string Supervisor::command_filter(const ControlCommand& command) {
   if (!has_filter(options_.stages)) {
     return "error: the filter runs elsewhere\n";
   }
-  if (!machine_.pipeline().commands.try_push(
-          filter_command_of(command, LaserPlace::of(options_.params.robot.mount), machine_.publisher()))) {
+  const LaserPlace laser = LaserPlace::of(options_.params.robot.mount);
+  if (command.kind == ControlCommand::Kind::kPose && machine_.publisher().expect(laser.scan_of(command.map_T_robot))) {
+    return "ok: the robot is looked for there\n";
+  }
+  if (!machine_.pipeline().commands.try_push(filter_command_of(command, laser, machine_.publisher()))) {
     return "error: too many commands wait\n";
   }
   machine_.pipeline().filter.wake.notify();

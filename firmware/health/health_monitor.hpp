@@ -79,7 +79,8 @@ class HealthMonitor {
   [[nodiscard]] std::uint32_t estimate_reasons(const MatcherReport& matcher, const FilterReport& filter,
                                                std::int64_t now_ns);
   [[nodiscard]] std::uint32_t load_reasons(const HealthReport& report, std::int64_t now_ns);
-  [[nodiscard]] HealthState state_of(const SensorReport& sensor, const FilterReport& filter) const;
+  [[nodiscard]] HealthState state_of(const SensorReport& sensor, const FilterReport& filter,
+                                     WorldPlaceKnown place) const;
   void copy_figures(const SensorReport& sensor, const MatcherReport& matcher, const FilterReport& filter,
                     const Surroundings& surroundings, std::int64_t now_ns);
 

@@ -47,12 +47,15 @@ std::string cloud_text(const HealthReport& health) {
              : "";
 }
 
+constexpr std::array<const char*, 3> kPlaces{"; the robot is not found in the world yet",
+                                             "; where the robot is in the world is a guess yet", ""};
+
 std::string graph_text(const HealthReport& health) {
   return health.graph ? fmt::format(
                             "pose graph: {} submaps, {} loop closures, {:.0f} % of its memory; {} keyframes "
-                            "left out\n",
+                            "left out{}\n",
                             health.graph->submaps, health.graph->loop_closures, 100.0 * health.graph->used,
-                            health.graph->keyframes_left_out)
+                            health.graph->keyframes_left_out, kPlaces.at(static_cast<std::size_t>(health.graph->place)))
                       : "";
 }
 

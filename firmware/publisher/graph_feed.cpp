@@ -38,6 +38,17 @@ GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossles
   }
 }
 
+bool GraphFeed::resume(const SubmapWorld& world, const std::optional<PlaceBySubmap>& last) {
+  const bool has_room = graph_->resume(world);
+  if (last) {
+    graph_->expect(*last);
+  }
+  report();
+  health_.place = place_;
+  drawn_anchor_ = graph_->anchor();
+  return has_room;
+}
+
 int GraphFeed::start() {
   return thread_.start([this] { run(); });
 }
@@ -113,6 +124,9 @@ bool GraphFeed::draw() {
   if (drawn_revision_ != graph_->revision() || drawn_keyframes_ != graph_->keyframes().size()) {
     drawn_revision_ = graph_->revision();
     drawn_keyframes_ = graph_->keyframes().size();
+    if (std::exchange(drawn_anchor_, graph_->anchor()) != graph_->anchor() && graph_->is_in_world()) {
+      make_tiles();  // the map may be of another part now
+    }
     tiles_->update(graph_->world());
   }
   const bool has_more = tiles_->work(graph_->world());
@@ -166,6 +180,16 @@ void GraphFeed::place(PoseRecord& pose) {
   pose.map_T_scan = map_T_odom * pose.odom_T_scan;
   pose.covariance = rows_of<3>(turned(matrix_of<3>(pose.covariance), turn_rad));
   health_.map_T_odom = map_T_odom;
+  health_.place = place_;
+}
+
+bool GraphFeed::expect(const Pose2& map_T_scan) {
+  const std::lock_guard lock(queue_mutex_);
+  if (health_.place == WorldPlaceKnown::kSure) {
+    return false;
+  }
+  expected_map_T_scan_ = map_T_scan;
+  return true;
 }
 
 Pose2 GraphFeed::to_local(const Pose2& map_T_scan) const {
@@ -182,12 +206,16 @@ bool GraphFeed::take() {
     }
     is_busy_ = true;
     const Job& job = jobs_[taken_ % kJobs];  // nobody writes it while it waits
+    const std::optional<Pose2> expected = std::exchange(expected_map_T_scan_, std::nullopt);
     lock.unlock();
     {
       const std::lock_guard graph_lock(graph_mutex_);
       if (job.keyframe.map_number != map_number_) {
         map_number_ = job.keyframe.map_number;
         begin_anew();
+      }
+      if (expected) {
+        graph_->expect(*expected);
       }
       has_work = graph_->add(job.keyframe, job.codes) || has_work;
       report();
@@ -200,10 +228,14 @@ bool GraphFeed::take() {
   return has_work;
 }
 
+void GraphFeed::make_tiles() {
+  tiles_.emplace(params_.slam.low.beam, params_.scan, params_.slam.low.grid.resolution_m, params_.graph.keyframes_max);
+}
+
 void GraphFeed::begin_anew() {
-  const double resolution_m = params_.slam.low.grid.resolution_m;
   graph_.emplace(params_.graph, params_.limits, params_.scan, seed_);
-  tiles_.emplace(params_.slam.low.beam, params_.scan, resolution_m, params_.graph.keyframes_max);
+  make_tiles();
+  drawn_anchor_ = 0;
   drawn_revision_ = drawn_keyframes_ = 0;
   const std::lock_guard lock(queue_mutex_);
   filter_.emplace(params_.graph);
@@ -216,7 +248,11 @@ void GraphFeed::report() {
              .loop_closures = counts.accepted - counts.taken_out,
              .used = graph_->used(),
              .keyframes_left_out = left_out_,
-             .map_T_odom = health_.map_T_odom};
+             .map_T_odom = health_.map_T_odom,
+             .place = health_.place};
+  place_ = graph_->is_in_world() ? WorldPlaceKnown::kSure
+           : graph_->guess()     ? WorldPlaceKnown::kGuessed
+                                 : WorldPlaceKnown::kNo;
   placed_number_ = map_number_;
   filter_->update(*graph_);
 }
@@ -257,7 +293,7 @@ std::optional<TrajectoryCorrection> GraphFeed::write(bool is_last, OccupancyMap&
   WorldMap world(params_.slam.low.beam, params_.slam.low.grid.resolution_m);
   world.render(graph_->world(), params_.scan);
   world.write(map);
-  return TrajectoryCorrection(graph_->submaps(), graph_->graph());
+  return TrajectoryCorrection(graph_->submaps(), graph_->graph(), graph_->first_submap());
 }
 
 }  // namespace odoless

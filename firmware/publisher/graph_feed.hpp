@@ -37,6 +37,9 @@ class GraphFeed {
 
   /// @param lossless  No keyframe is left out: `add` waits.
   GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossless);
+  /// Before it starts: continues a world, which is copied. @param last  Where the robot was, as a guess.
+  /// @return  Whether there is room for it.
+  [[nodiscard]] bool resume(const SubmapWorld& world, const std::optional<PlaceBySubmap>& last);
   /// Starts the thread. @return  0, or the errno for which there is none.
   [[nodiscard]] int start();
   ~GraphFeed();
@@ -51,11 +54,15 @@ class GraphFeed {
 
   /// Every pose, as the filter has it in its own map: where the world has that.
   void place(PoseRecord& pose);
+  /// While it is not known where the robot is in the world that it continues: it may be there. @return  Whether that is
+  /// so.
+  bool expect(const Pose2& map_T_scan);
   /// A pose of the world in the filter's own map, by the submap that is nearest to it.
   [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const;
   /// A tile of the map that has changed: written to `cells`, WorldTiles::Occupancy of them. @return  Whether there was.
   [[nodiscard]] bool next_tile(MapTileRecord& tile, std::span<std::uint8_t> cells);
 
+  [[nodiscard]] const RobotParams& params() const { return params_; }
   /// What it has come to.
   [[nodiscard]] GraphHealth health() const;
   /// Shows the graph and its map number, unless it is at work for longer than that. @return  Whether it was shown.
@@ -83,6 +90,7 @@ class GraphFeed {
   /// Takes over what waits. @return  Whether there was something.
   bool take();
   void begin_anew();
+  void make_tiles();
   /// Draws a little, and hands on what is drawn. @return  Whether there is more to draw; what is drawn waits for room.
   bool draw();
   /// @return  Whether all that is drawn is handed on; else there is no room.
@@ -101,15 +109,17 @@ class GraphFeed {
   std::size_t pushed_ = 0;
   std::size_t taken_ = 0;
   std::int64_t left_out_ = 0;
-  OdometryStretch since_left_out_;  ///< of keyframes left out, to go with the next
+  OdometryStretch since_left_out_;            ///< of keyframes left out, to go with the next
+  std::optional<Pose2> expected_map_T_scan_;  ///< that somebody told
   bool is_busy_ = false;
   bool has_untold_ = false;
   bool is_ending_ = false;
   std::atomic<bool> is_hurried_{false};  ///< somebody waits for the end
   GraphHealth health_;
-  int placed_number_ = -1;               ///< of the map that `health_` and `filter_` are of
-  std::optional<FilterInWorld> filter_;  ///< always there; begun anew with another map
-  std::vector<Tile> tiles_told_;         ///< a ring
+  WorldPlaceKnown place_ = WorldPlaceKnown::kSure;  ///< of the next pose; `health_` tells of the last one
+  int placed_number_ = -1;                          ///< of the map that `health_` and `filter_` are of
+  std::optional<FilterInWorld> filter_;             ///< always there; begun anew with another map
+  std::vector<Tile> tiles_told_;                    ///< a ring
   std::size_t tiles_pushed_ = 0;
   std::size_t tiles_taken_ = 0;
   Observer observer_;
@@ -118,6 +128,7 @@ class GraphFeed {
   std::optional<WorldTiles> tiles_;   ///< likewise
   std::int64_t drawn_revision_ = 0;
   int drawn_keyframes_ = 0;
+  int drawn_anchor_ = 0;
   int map_number_ = 0;
   bool is_finished_ = false;
   RealTimeThread thread_;

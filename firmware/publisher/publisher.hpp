@@ -59,6 +59,10 @@ class Publisher {
   [[nodiscard]] int start_graph();
   /// Threads that `start_graph` starts.
   [[nodiscard]] int threads() const { return (graph_ ? 1 : 0) + (world_ ? 1 : 0); }
+  /// Before the graph starts: opens the world file, and has the graph go on with it. Nothing where none is kept.
+  FileFailure open_world() { return world_ ? world_->open(*graph_) : FileFailure{}; }
+  /// Any thread: while it is not known where the robot is in the world, it may be there. @return  Whether that is so.
+  bool expect(const Pose2& map_T_scan) { return graph_ && graph_->expect(map_T_scan); }
   /// Any thread: a pose of the map frame in the filter's own map.
   [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const {
     return graph_ ? graph_->to_local(map_T_scan) : map_T_scan;

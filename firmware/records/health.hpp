@@ -46,6 +46,7 @@ enum HealthReason : std::uint32_t {
   kReasonBadMotions = 1U << 23,     ///< motions of a matcher elsewhere are refused: forged, or of another clock
   kReasonNotAuthentic = 1U << 24,   ///< messages are refused that are not of who has the key, or not of now
   kReasonSweep = 1U << 25,          ///< the laser sweeps, as it was told: poses come when it passes the level
+  kReasonNotInWorld = 1U << 26,     ///< it is not known for sure yet where the robot is in the world that is continued
 };
 
 /// The scan source since start. Rates and ages are taken at the time of the report.
@@ -95,6 +96,9 @@ struct CloudHealth {
   std::int64_t scans_left_out = 0;  ///< whose poses or angles never came
 };
 
+/// Whether it is known where the robot is in the world that is continued.
+enum class WorldPlaceKnown : std::uint8_t { kNo, kGuessed, kSure };
+
 /// The pose graph of the present map.
 struct GraphHealth {
   std::int64_t submaps = 0;
@@ -102,6 +106,7 @@ struct GraphHealth {
   double used = 0.0;                    ///< share of its fullest pool, 0 to 1
   std::int64_t keyframes_left_out = 0;  ///< since start: it was too busy for them
   Pose2 map_T_odom{};                   ///< as the graph has it
+  WorldPlaceKnown place = WorldPlaceKnown::kSure;
 };
 
 enum Stage : int { kSensorStage = 0, kMatcherStage = 1, kFilterStage = 2, kStages = 3 };

@@ -69,6 +69,7 @@ struct WorldChanges {
 
 /// A session as it was read; its keyframes and submaps are ranges of the world's.
 struct StoredSession {
+  std::int64_t id = 0;  ///< in the file
   SessionRecord about;
   int first_keyframe = 0;
   int keyframes = 0;
@@ -82,13 +83,18 @@ struct StoredWorld {
   StoredWorld(int keyframes, int beams_max, int submaps_max, int constraints_max)
       : store(keyframes, beams_max), graph(submaps_max, constraints_max) {}
 
-  [[nodiscard]] SubmapWorld world() const { return {store, graph, submaps}; }
+  /// The map is of the largest part.
+  [[nodiscard]] SubmapWorld world() const { return {store, graph, submaps, std::nullopt, graph.largest_component()}; }
 
   WorldIdentity identity;
   std::vector<StoredSession> sessions;
   KeyframeStore store;
   PoseGraph graph;
   std::vector<Submap> submaps;
+  /// That the file has too; the others were made of keyframes that were in none.
+  int submaps_in_file = 0;
+  int constraints_in_file = 0;
+  bool is_numbered_as_file = true;  ///< so that one may go on with the file
 };
 
 }  // namespace odoless

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "firmware/daemon/log.hpp"
+#include "firmware/world/continued_world.hpp"
+#include "firmware/world/world_reader.hpp"
 #include "rt/cpu_clock.hpp"
 
 namespace odoless {
@@ -36,8 +38,17 @@ WorldKeeper::~WorldKeeper() {
   }
 }
 
-FileFailure WorldKeeper::open() {
+FileFailure WorldKeeper::open(GraphFeed& graph) {
   FileFailure failed = file_.open_to_write(params_.file, session_.program);
+  ContinuedWorld world;
+  failed = failed.any() ? failed : world.read(file_, graph.params());
+  if (const StoredWorld* const stored = world.stored(); !failed.any() && stored != nullptr) {
+    mirror_ = world.mirror();
+    continued_ = mirror_.keyframes();
+    if (!graph.resume(stored->world(), last_place(*stored))) {
+      failed = {EOVERFLOW, no_room_sentence(*stored, graph.params().graph)};
+    }
+  }
   report_.uuid = file_.identity().uuid;
   report_.revision = file_.identity().revision;
   written_ns_ = monotonic_ns();
@@ -76,7 +87,8 @@ WorldKeeper::Batch& WorldKeeper::batch_of(int map_number) {
       report_.keyframes_lost += batches_[1].seen;  // the first one may be under way
       batches_.erase(batches_.begin() + 1);
     }
-    batches_.push_back({.map_number = map_number, .seen = 0, .keyframes = {}, .odometry = {}});
+    const int first = batches_.empty() ? continued_ : 0;
+    batches_.push_back({.map_number = map_number, .seen = first, .keyframes = {}, .odometry = {}});
   }
   return batches_.back();
 }
@@ -147,7 +159,7 @@ bool WorldKeeper::write_some(GraphFeed::Patience patience) {
   bool has_more = false;
   if (map_number >= 0) {
     static_cast<void>(graph_->look(patience, [&](const SubmapGraph& graph, int graph_map_number) {
-      has_more = graph_map_number == map_number && mirror_.collect(graph, changes);
+      has_more = graph_map_number == map_number && mirror_.collect(graph.world(), changes);
     }));
     failed = file_.write(*place_, changes);
     if (failed.any()) {
@@ -164,7 +176,7 @@ bool WorldKeeper::write_some(GraphFeed::Patience patience) {
 FileFailure WorldKeeper::make_ready() {
   if (!file_.is_open() || !file_.is_in_place()) {
     place_.reset();
-    mirror_ = {};
+    mirror_ = WorldMirror();
     if (FileFailure failed = file_.open_to_write(params_.file, session_.program); failed.any()) {
       return failed;
     }
@@ -176,7 +188,7 @@ FileFailure WorldKeeper::make_ready() {
   WorldPlace place;
   FileFailure failed = file_.begin(session_, place);
   if (!failed.any()) {
-    place_ = place;
+    place_ = continued_ > 0 ? WorldPlace{.session = place.session} : place;
   }
   return failed;
 }
@@ -214,7 +226,8 @@ bool WorldKeeper::begin_next_map() {
   report_.keyframes_lost += batches_.front().seen - mirror_.keyframes();
   batches_.pop_front();
   place_.reset();
-  mirror_ = {};
+  mirror_ = WorldMirror();
+  continued_ = 0;
   return true;
 }
 
@@ -226,7 +239,7 @@ void WorldKeeper::note(const FileFailure& failed) {
     report_.reason = failed.text;
     report_.uuid = file_.is_open() ? file_.identity().uuid : report_.uuid;
     report_.revision = file_.is_open() ? file_.identity().revision : report_.revision;
-    report_.keyframes = mirror_.keyframes();
+    report_.keyframes = std::max(0, mirror_.keyframes() - continued_);
     report_.not_written = batches_.empty() ? 0 : batches_.front().seen - mirror_.keyframes();
     report_.session = place_ ? place_->session : 0;
     progress_ns_ = monotonic_ns();

@@ -39,8 +39,9 @@ class WorldKeeper {
   WorldKeeper(const WorldKeeper&) = delete;
   WorldKeeper& operator=(const WorldKeeper&) = delete;
 
-  /// Opens the file, or makes it, before anything runs.
-  FileFailure open();
+  /// Opens the file, or makes it, before anything runs, and has the graph go on with what is in it.
+  /// Errors: EOVERFLOW where that has no room for it.
+  FileFailure open(GraphFeed& graph);
   /// Starts the thread. @param graph  Must outlive it. @return  0, or the errno for which there is none.
   [[nodiscard]] int start(GraphFeed& graph);
 
@@ -60,7 +61,7 @@ class WorldKeeper {
   /// What waits of one map.
   struct Batch {
     int map_number = 0;
-    int seen = 0;  ///< keyframes of this map, written or not; `keyframes` are the last of them
+    int seen = 0;  ///< keyframes of the graph, written or not; `keyframes` are the last of them
     std::vector<StoredKeyframe> keyframes;
     std::vector<StampedPose> odometry;
   };
@@ -91,6 +92,7 @@ class WorldKeeper {
   WorldFile file_;
   std::optional<WorldPlace> place_;
   WorldMirror mirror_;
+  int continued_ = 0;  ///< keyframes that the world had; the first map's numbers go on from there
   GraphFeed* graph_ = nullptr;
 
   mutable std::mutex mutex_;

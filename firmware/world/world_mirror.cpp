@@ -15,8 +15,17 @@ bool is_finite(const Pose2& pose) {
 
 }  // namespace
 
-bool WorldMirror::collect(const SubmapGraph& graph, WorldChanges& changes) const {
-  const KeyframeStore& store = graph.keyframes();
+WorldMirror::WorldMirror(const StoredWorld& world) : keyframes_(world.store.size()) {
+  for (int i = 0; i < world.submaps_in_file; ++i) {
+    poses_.push_back(world.graph.pose(i));
+  }
+  for (int i = 0; i < world.constraints_in_file; ++i) {
+    weights_.push_back(world.graph.constraints()[static_cast<std::size_t>(i)].weight);
+  }
+}
+
+bool WorldMirror::collect(const SubmapWorld& world, WorldChanges& changes) const {
+  const KeyframeStore& store = world.store;
   changes.first_keyframe = keyframes_;
   int next = keyframes_ + static_cast<int>(changes.keyframes.size());
   const int most = next + kKeyframes_max;
@@ -24,12 +33,12 @@ bool WorldMirror::collect(const SubmapGraph& graph, WorldChanges& changes) const
     const std::span<const BeamCode> codes = store.codes(next);
     changes.keyframes.push_back({store[next], {codes.begin(), codes.end()}});
   }
-  const std::span<const Submap> submaps = graph.submaps();
+  const std::span<const Submap> submaps = world.submaps;
   changes.first_submap = static_cast<int>(poses_.size());
   int count = 0;
   for (; count < static_cast<int>(submaps.size()); ++count) {
     const Submap& submap = submaps[static_cast<std::size_t>(count)];
-    const Pose2& pose = graph.graph().pose(count);
+    const Pose2& pose = world.graph.pose(count);
     if (submap.first_keyframe + submap.keyframes > next || !is_finite(pose)) {
       break;
     }
@@ -41,12 +50,12 @@ bool WorldMirror::collect(const SubmapGraph& graph, WorldChanges& changes) const
       changes.moved.push_back({count, pose});
     }
   }
-  collect_constraints(graph, count, changes);
+  collect_constraints(world.graph, count, changes);
   return next < store.size();
 }
 
-void WorldMirror::collect_constraints(const SubmapGraph& graph, int submaps, WorldChanges& changes) const {
-  const std::span<const Constraint> constraints = graph.graph().constraints();
+void WorldMirror::collect_constraints(const PoseGraph& graph, int submaps, WorldChanges& changes) const {
+  const std::span<const Constraint> constraints = graph.constraints();
   changes.first_constraint = static_cast<int>(weights_.size());
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     const Constraint& each = constraints[i];

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/graph/submap_graph.hpp"
+#include "core/graph/submap_world.hpp"
 #include "firmware/world/world_contents.hpp"
 
 namespace odoless {
@@ -15,16 +15,21 @@ class WorldMirror {
  public:
   static constexpr int kKeyframes_max = 256;  ///< that are taken from a graph at a time
 
+  /// Of a file that has nothing of it yet.
+  WorldMirror() = default;
+  /// Of the file that a world was read from.
+  explicit WorldMirror(const StoredWorld& world);
+
   /// Adds what the file does not have: keyframes where `changes` has none yet, submaps whose keyframes are there,
   /// constraints, poses and weights. @return  Whether there is more.
-  bool collect(const SubmapGraph& graph, WorldChanges& changes) const;
+  bool collect(const SubmapWorld& world, WorldChanges& changes) const;
   /// These are in the file.
   void take(const WorldChanges& changes);
 
   [[nodiscard]] int keyframes() const { return keyframes_; }
 
  private:
-  void collect_constraints(const SubmapGraph& graph, int submaps, WorldChanges& changes) const;
+  void collect_constraints(const PoseGraph& graph, int submaps, WorldChanges& changes) const;
 
   int keyframes_ = 0;
   std::vector<Pose2> poses_;     ///< of submaps

@@ -96,6 +96,7 @@ class Reader {
     while (rows.next()) {
       ids_.push_back(rows.integer(0));
       StoredSession& session = world_->sessions.emplace_back();
+      session.id = rows.integer(0);
       session.about = {rows.text(1), rows.text(2), rows.text(3), rows.integer(4)};
     }
     mapped_.resize(ids_.size());
@@ -259,6 +260,8 @@ class Reader {
 
   /// Numbers all submaps session by session.
   void join() {
+    world_->submaps_in_file = static_cast<int>(stored_.size());
+    world_->constraints_in_file = static_cast<int>(held_.size());
     for (std::size_t i = 0; i < mapped_.size(); ++i) {
       finish_submaps(static_cast<int>(i));
       world_->sessions[i].first_submap = world_->graph.size();
@@ -271,6 +274,9 @@ class Reader {
     const auto number_of = [&](const Number& number) {
       return world_->sessions[static_cast<std::size_t>(number.session)].first_submap + number.index;
     };
+    for (std::size_t i = 0; i < stored_.size(); ++i) {
+      world_->is_numbered_as_file &= number_of(stored_[i]) == static_cast<int>(i);
+    }
     for (Held& each : held_) {
       each.constraint.from = number_of(each.from);
       each.constraint.to = number_of(each.to);
@@ -292,6 +298,19 @@ class Reader {
 }  // namespace
 
 WorldReading read_world(WorldFile& file, const RobotParams& params) { return Reader(file.database(), params).read(); }
+
+std::optional<PlaceBySubmap> last_place(const StoredWorld& world) {
+  const auto last = std::find_if(world.sessions.rbegin(), world.sessions.rend(),
+                                 [](const StoredSession& each) { return each.submaps > 0; });
+  if (last == world.sessions.rend()) {
+    return std::nullopt;
+  }
+  const int submap = last->first_submap + last->submaps - 1;
+  const Keyframe& keyframe = world.store[last->first_keyframe + last->keyframes - 1];
+  const bool has_scan_behind = !last->odometry.empty() && last->odometry.back().stamp_ns > keyframe.stamp_ns;
+  const Pose2 odom_T_scan = has_scan_behind ? last->odometry.back().map_T_scan : keyframe.odom_T_scan;
+  return PlaceBySubmap{submap, world.submaps[static_cast<std::size_t>(submap)].odom_T_submap.inverse() * odom_T_scan};
+}
 
 std::vector<int> connected_submaps(const PoseGraph& graph, int submap) {
   PoseGraph::Projection projection;

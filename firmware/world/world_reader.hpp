@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "config/robot_params.hpp"
@@ -19,6 +20,9 @@ struct WorldReading {
 /// after a power cut, are made into submaps as the graph would have; no match is done again.
 /// @param params  How these are made.
 [[nodiscard]] WorldReading read_world(WorldFile& file, const RobotParams& params);
+
+/// Where the robot was last; none where the world has no submap.
+[[nodiscard]] std::optional<PlaceBySubmap> last_place(const StoredWorld& world);
 
 /// Submaps that are joined to one by constraints that hold, in their order.
 [[nodiscard]] std::vector<int> connected_submaps(const PoseGraph& graph, int submap);

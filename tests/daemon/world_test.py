@@ -5,6 +5,7 @@ As: python3 world_test.py PROGRAMS SOURCES
 
 import contextlib
 import json
+import math
 import os
 import random
 import shutil
@@ -87,18 +88,55 @@ class World(DaemonCase):
         self.assertEqual(content(self.path("again/trajectory.tum")), content(self.path("coarse/trajectory.tum")))
         self.assertLess(len(content(self.path("coarse/map.pgm"))), len(content(self.path("again/map.pgm"))) / 4)
 
-    def test_adds_a_session_to_what_is_there(self):
+    def poses(self, path):
+        with open(self.path(path), encoding="utf-8") as file:
+            rows = [[float(value) for value in line.split()] for line in file if not line.startswith("#")]
+        return {row[0]: row[1:3] for row in rows}
+
+    # The second drive through a building is found in the map of the first, and has its frame; it begins elsewhere.
+    def test_goes_on_with_what_is_there(self):
         log = self.log()
-        for session in (1, 2):
-            made = run("odoless", "replay", log, "--out", self.path(f"run{session}"), "--seed", session, "--world", self.path("w"))
+        with open(log, encoding="utf-8") as file:
+            lines = file.readlines()
+        scans = [index for index, line in enumerate(lines) if line.startswith("FLASER")]
+        cut = scans[len(scans) // 3]
+        with open(self.path("later.log"), "w", encoding="utf-8") as file:
+            file.writelines(lines[cut:])
+        for session, part in ((1, log), (2, self.path("later.log"))):
+            made = run("odoless", "replay", part, "--out", self.path(f"run{session}"), "--seed", session, "--world", self.path("w"))
             self.assertEqual(made.returncode, 0, made.stderr)
         self.assertEqual(self.count("session"), 2)
-        said = self.world("export", self.path("w"), "--out", self.path("again2"))
-        self.assertIn("session 1 is left out", said.stderr)
-        self.world("export", self.path("w"), "--session", 1, "--out", self.path("again1"))
-        for session in (1, 2):
-            for name in ("trajectory.tum", "pose_graph.g2o", "map.pgm"):
-                self.assertEqual(content(self.path(f"run{session}/{name}")), content(self.path(f"again{session}/{name}")), name)
+        sessions = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
+        self.assertEqual(sessions[1]["joined_submaps"], sessions[0]["submaps"] + sessions[1]["submaps"])
+        first, second = self.poses("run1/trajectory.tum"), self.poses("run2/trajectory.tum")
+        apart = [math.dist(pose, first[stamp]) for stamp, pose in second.items() if stamp in first]
+        self.assertGreater(len(apart), 200)
+        self.assertLess(max(apart), 0.2)
+        self.world("export", self.path("w"), "--out", self.path("again"))
+        self.assertEqual(content(self.path("run2/trajectory.tum")), content(self.path("again/trajectory.tum")))
+
+    # A daemon that was killed starts where the robot is, which drives on meanwhile.
+    def test_starts_where_it_was_after_a_kill(self):
+        daemon = self.start_world()
+        backs_s = []
+        for _ in range(RETURNS):
+            self.wait_until_ok()
+            time.sleep(4)
+            before = self.status_json()["pose"]
+            daemon.kill()
+            daemon.wait()
+            begin = time.monotonic()
+            daemon = self.start_daemon("--world", self.path("w"))
+            self.wait_until(lambda: self.state().startswith("OK"), 30)
+            backs_s.append(time.monotonic() - begin)
+            now = self.status_json()["pose"]
+            moved_m = math.dist((before["x_m"], before["y_m"]), (now["x_m"], now["y_m"]))
+            print(f"  killed at {before['x_m']:.2f}, {before['y_m']:.2f}; OK after {backs_s[-1]:.1f} s at {now['x_m']:.2f}, {now['y_m']:.2f}")
+            self.assertLess(moved_m, 0.5 + 1.5 * (backs_s[-1] + 0.5))
+        measured(36, "pose back", max(backs_s), "s")
+        self.stop_in_time(daemon)
+        sessions = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
+        self.assertEqual(sessions[-1]["joined_submaps"], sum(each["submaps"] for each in sessions))
 
     def test_begins_a_session_with_each_map(self):
         daemon = self.start_world()
@@ -168,19 +206,6 @@ class World(DaemonCase):
         self.assertEqual(len(sessions), KILLS)
         for each in sessions:
             self.assertGreater(each["scans"], 0)
-        self.disk("sound")
-        measured(36, "pose back", max(self.back_after_a_kill_s(environment) for _ in range(RETURNS)), "s")
-
-    def back_after_a_kill_s(self, environment):
-        """From the start until the pose in the map of before can be used."""
-        begin = time.monotonic()
-        daemon = self.start_daemon("--world", self.path("w"), environment=environment)
-        self.wait_until(lambda: self.state().startswith("OK"), 30)
-        back_s = time.monotonic() - begin
-        daemon.kill()
-        daemon.wait()
-        return back_s
-
     # Disks
 
     def goes_on_beside_a_failing_disk(self, fault, reason):

@@ -219,7 +219,7 @@ TEST(HealthText, SaysWhatTheStampsWereLike) {
 
 TEST(HealthText, EveryReasonHasItsOwnWords) {
   std::string before;
-  for (std::uint32_t reason = 1; reason <= kReasonSweep; reason <<= 1U) {
+  for (std::uint32_t reason = 1; reason <= kReasonNotInWorld; reason <<= 1U) {
     const std::string text = reasons_text(reason);
     EXPECT_FALSE(text.empty()) << reason;
     EXPECT_NE(text, before);

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <utility>
 
+#include "firmware/world/continued_world.hpp"
 #include "firmware/world/world_blobs.hpp"
 #include "firmware/world/world_mirror.hpp"
 #include "firmware/world/world_reader.hpp"
@@ -61,7 +62,7 @@ class World : public ::testing::Test {
     changes.odometry = std::exchange(odometry_, {});
     bool has_more = true;
     while (has_more) {
-      has_more = mirror.collect(graph, changes);
+      has_more = mirror.collect(graph.world(), changes);
       const FileFailure failed = file.write(place, changes);
       ASSERT_FALSE(failed.any()) << failed.text;
       mirror.take(changes);
@@ -182,6 +183,51 @@ TEST_F(World, HasSessionsThatNothingJoinsYet) {
     EXPECT_TRUE(is_same(part.graph.pose(i), second.graph().pose(i)));
   }
   EXPECT_EQ(part.graph.constraints().size(), second.graph().constraints().size());
+}
+
+// A run that is killed, and the next one, which has all of the world's numbers and adds its own.
+TEST_F(World, IsGoneOnWith) {
+  drive(graph_, 0, 23);
+  write(graph_);  // without its last submap
+  graph_.finish();
+  WorldFile file;
+  ASSERT_FALSE(file.open_to_write(path(), "1").any());
+  ContinuedWorld continued;
+  const FileFailure failed = continued.read(file, params());
+  ASSERT_FALSE(failed.any()) << failed.text;
+  ASSERT_NE(continued.stored(), nullptr);
+  EXPECT_EQ(continued.stored()->submaps.size(), graph_.submaps().size());
+  EXPECT_EQ(integer_of(file.database(), "SELECT count(*) FROM submap"),
+            static_cast<std::int64_t>(graph_.submaps().size()))
+      << "its last submap is made in the file too";
+  SubmapGraph second(params().graph, RobotLimits{}, ScanParams{}, 1);
+  ASSERT_TRUE(second.resume(continued.stored()->world()));
+  odometry_.clear();
+  drive(second, 0, 31);
+  second.finish();
+  EXPECT_GT(second.submaps().size(), graph_.submaps().size());
+  WorldPlace place;
+  ASSERT_FALSE(file.begin({}, place).any());
+  WorldMirror mirror = continued.mirror();
+  append(file, {.session = place.session}, mirror, second);
+  file.close();
+  const WorldReading reading = read();
+  ASSERT_TRUE(reading.world) << reading.wrong;
+  ASSERT_EQ(reading.world->sessions.size(), 2U);
+  expect_same(*reading.world, second);
+}
+
+TEST_F(World, SaysWhereTheRobotWasLast) {
+  drive(graph_, 0, 40);
+  graph_.finish();
+  const std::vector<StampedPose> odometry = odometry_;
+  write(graph_);
+  const WorldReading reading = read();
+  ASSERT_TRUE(reading.world) << reading.wrong;
+  const std::optional<PlaceBySubmap> last = last_place(*reading.world);
+  ASSERT_TRUE(last);
+  const Pose2 map_T_scan = reading.world->graph.pose(last->submap) * last->submap_T_scan;
+  EXPECT_LT(map_T_scan.distance_m(graph_.corrected(odometry).back().map_T_scan), 1e-6);
 }
 
 TEST_F(World, IsForOneWriterAtATime) {

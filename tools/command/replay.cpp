@@ -204,11 +204,13 @@ void keep_world(const LogJob& job, const RobotParams& params, ReplayOptions& opt
   if (!params.graph.enabled) {
     throw UsageError("--world needs the pose graph, and graph.enabled is false");
   }
-  options.on_graph =
-      [file = std::make_shared<WorldOutput>(job.world, ODOLESS_VERSION),
-       session =
-           SessionRecord{utc_text(), ODOLESS_VERSION, write_toml(params), static_cast<std::int64_t>(job.options.seed)}](
-          const SubmapGraph& graph, std::span<const StampedPose> odom) { file->write(session, graph, odom); };
+  auto file = std::make_shared<WorldOutput>(job.world, ODOLESS_VERSION, params);
+  options.world = file->world();
+  options.on_graph = [file = std::move(file), session = SessionRecord{utc_text(), ODOLESS_VERSION, write_toml(params),
+                                                                      static_cast<std::int64_t>(job.options.seed)}](
+                         const SubmapGraph& graph, std::span<const StampedPose> odom) {
+    file->write(session, graph, odom);
+  };
 }
 
 void run_replay(const LogJob& job) {

@@ -13,8 +13,10 @@ constexpr const char* kRight = "a world file of `odolessd --world` or `odoless r
 
 }  // namespace
 
-WorldOutput::WorldOutput(std::filesystem::path path, const std::string& program) : path_(std::move(path)) {
-  const FileFailure failed = file_.open_to_write(path_, program);
+WorldOutput::WorldOutput(std::filesystem::path path, const std::string& program, const RobotParams& params)
+    : path_(std::move(path)) {
+  FileFailure failed = file_.open_to_write(path_, program);
+  failed = failed.any() ? failed : world_.read(file_, params);
   if (failed.error == EBADMSG) {
     throw DataError(path_.string(), 0, failed.text, kRight);
   }
@@ -25,12 +27,13 @@ WorldOutput::WorldOutput(std::filesystem::path path, const std::string& program)
 
 void WorldOutput::write(const SessionRecord& session, const SubmapGraph& graph, std::span<const StampedPose> odom) {
   WorldPlace place;
-  WorldMirror mirror;
+  WorldMirror mirror = world_.mirror();
   FileFailure failed = file_.begin(session, place);
+  place = {.session = place.session};
   WorldChanges changes;
   changes.odometry.assign(odom.begin(), odom.end());
   for (bool has_more = true; has_more && !failed.any();) {
-    has_more = mirror.collect(graph, changes);
+    has_more = mirror.collect(graph.world(), changes);
     failed = file_.write(place, changes);
     mirror.take(changes);
     changes = {};

@@ -6,15 +6,19 @@
 
 #include "core/geometry/stamped_pose.hpp"
 #include "core/graph/submap_graph.hpp"
+#include "firmware/world/continued_world.hpp"
 #include "firmware/world/world_file.hpp"
 
 namespace odoless {
 
-/// A world file that a run's pose graph goes to, as a session of its own.
+/// A world file that a run's pose graph goes to, as a session of its own, and that it goes on with.
 class WorldOutput {
  public:
   /// Opens it, or makes it. @param program  Version. @throws CannotCreateError, DataError.
-  WorldOutput(std::filesystem::path path, const std::string& program);
+  WorldOutput(std::filesystem::path path, const std::string& program, const RobotParams& params);
+
+  /// What the file has; null: nothing yet.
+  [[nodiscard]] const StoredWorld* world() const { return world_.stored(); }
 
   /// @param odom  odom_T_scan of all scans. @throws IoError.
   void write(const SessionRecord& session, const SubmapGraph& graph, std::span<const StampedPose> odom);
@@ -22,6 +26,7 @@ class WorldOutput {
  private:
   std::filesystem::path path_;
   WorldFile file_;
+  ContinuedWorld world_;
 };
 
 /// Opens a world to read it. @throws NoInputError, DataError.

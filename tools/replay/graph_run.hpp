@@ -7,6 +7,7 @@
 #include "core/graph/keyframe_gate.hpp"
 #include "core/graph/submap_graph.hpp"
 #include "firmware/stages/filter_stage.hpp"
+#include "firmware/world/world_reader.hpp"
 
 namespace odoless {
 
@@ -15,6 +16,15 @@ class GraphRun {
  public:
   GraphRun(const RobotParams& params, std::uint64_t seed)
       : gate_(params.graph), graph_(params.graph, params.limits, params.scan, seed), place_(params.graph) {}
+
+  /// Before the first scan: continues a world. @return  Whether there is room for it.
+  [[nodiscard]] bool resume(const StoredWorld& world) {
+    const bool has_room = graph_.resume(world.world());
+    if (const std::optional<PlaceBySubmap> last = last_place(world)) {
+      graph_.expect(*last);
+    }
+    return has_room;
+  }
 
   /// Every scan and what the stages made of it. @param step  As the filter has it in its own map; in the world then.
   void add(const ScanFrame& scan, const Motion& motion, FilterStep& step) {

@@ -9,6 +9,7 @@
 #include "core/base/check.hpp"
 #include "core/graph/world_map.hpp"
 #include "core/scan/laser_mount.hpp"
+#include "firmware/world/continued_world.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/log_times.hpp"
@@ -164,6 +165,9 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
   std::vector<StampedPose> odom;
   if (params.graph.enabled) {
     graph.emplace(params, options.seed);
+    if (options.world != nullptr && !graph->resume(*options.world)) {
+      throw UsageError("the world has no room: " + no_room_sentence(*options.world, params.graph));
+    }
   }
   for (std::size_t i = 0; i < used.size(); ++i) {
     const LogScan& scan = log.scans[static_cast<std::size_t>(used[i])];

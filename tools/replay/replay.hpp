@@ -14,6 +14,7 @@
 #include "core/grid/occupancy_map.hpp"
 #include "firmware/records/health.hpp"
 #include "firmware/stages/stage_chain.hpp"
+#include "firmware/world/world_contents.hpp"
 #include "tools/log/scan_log.hpp"
 #include "tools/output/matches.hpp"
 
@@ -26,7 +27,8 @@ using GraphWatcher = std::function<void(const SubmapGraph&, std::span<const Stam
 struct ReplayOptions {
   int every = 1;
   std::uint64_t seed = 1;
-  GraphWatcher on_graph{};  ///< may be empty
+  GraphWatcher on_graph{};             ///< may be empty
+  const StoredWorld* world = nullptr;  ///< that the pose graph goes on with; null: none
 };
 
 /// Called after each scan that was accepted, with what the stages made of it; may be empty.

@@ -14,11 +14,11 @@
 namespace odoless {
 
 /// A ring of corridors, 3 m wide, around a block of `width_m` x `depth_m`, with pillars and niches that differ.
-inline SimulatedScene ring(double width_m, double depth_m) {
+inline SimulatedScene ring(double width_m, double depth_m, std::uint64_t seed = 5) {
   SimulatedScene scene;
   scene.add_box({}, width_m, depth_m);
   scene.add_box({}, width_m + 6.0, depth_m + 6.0);
-  Rng rng(5);
+  Rng rng(seed);
   for (int i = 0; i < 36; ++i) {
     const double side_m = rng.uniform(0.2, 0.7);
     const double along = rng.uniform(-0.5, 0.5);

@@ -1,0 +1,113 @@
+// A world that is continued: the robot is found in it wherever it starts, and is not found in another building.
+#include "core/graph/localiser.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/core/graph/graph_drive.hpp"
+
+namespace odoless {
+namespace {
+
+/// A round of the ring, which ends as a world.
+struct Mapped : Drive {
+  Mapped() : Drive(ring(18.0, 10.0), {0.002, 0.0, 0.0002}) {
+    drive(kRound);
+    drive(kRound);
+    graph.finish();
+  }
+};
+
+const Mapped& mapped() {
+  static const Mapped run;
+  return run;
+}
+
+/// A second run, which continues that world.
+struct Continued : Drive {
+  explicit Continued(SimulatedScene scene = ring(18.0, 10.0)) : Drive(std::move(scene), {0.002, 0.0, 0.0002}) {
+    EXPECT_TRUE(graph.resume(mapped().graph.world()));
+  }
+  [[nodiscard]] Pose2 truth() const { return mapped().poses.front().inverse() * poses.back(); }
+  /// Of what is known or guessed.
+  [[nodiscard]] double error_m() const {
+    return (graph.guess().value_or(graph.map_T_odom()) * odom.back().map_T_scan).distance_m(truth());
+  }
+  [[nodiscard]] bool is_found() const { return graph.is_in_world() || graph.guess(); }
+};
+
+TEST(Localiser, GuessesWhereTheRobotIs) {
+  const std::vector<std::vector<Point2>> drives{
+      {{-10.5, 2.0}, {-10.5, -6.5}},  // against the way in which it was mapped
+      {{10.5, -3.0}, {10.5, 6.5}},
+      {{0.0, 6.5}, {9.0, 6.5}},
+      {{3.0, -6.5}, {-10.5, -6.5}, {-10.5, -3.0}},
+  };
+  for (const std::vector<Point2>& corners : drives) {
+    Continued run;
+    EXPECT_FALSE(run.is_found());
+    run.drive(corners);
+    EXPECT_TRUE(run.is_found()) << corners.front().x_m << ", " << corners.front().y_m;
+    EXPECT_LT(run.error_m(), 0.15);
+  }
+}
+
+TEST(Localiser, IsSureAfterAWhileAndHasAllOfThePathWhereTheRobotWas) {
+  Continued run;
+  run.drive({{-10.5, 2.0}, {-10.5, -6.5}, {10.5, -6.5}, {10.5, 2.0}});
+  ASSERT_TRUE(run.graph.is_in_world());
+  EXPECT_LT(run.error_m(), 0.15);
+  run.graph.finish();
+  const std::vector<StampedPose> path = run.graph.corrected(run.odom);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    ASSERT_LT(path[i].map_T_scan.distance_m(mapped().poses.front().inverse() * run.poses[i]), 0.25) << i;
+  }
+}
+
+TEST(Localiser, LeavesTheOldWorldAsItWas) {
+  Continued run;
+  run.drive({{-10.5, 2.0}, {-10.5, -6.5}, {10.5, -6.5}, {10.5, 2.0}});
+  ASSERT_TRUE(run.graph.is_in_world());
+  run.graph.finish();
+  for (int i = 0; i < mapped().graph.graph().size(); ++i) {
+    EXPECT_LT(run.graph.graph().pose(i).distance_m(mapped().graph.graph().pose(i)), 0.1) << i;
+  }
+}
+
+TEST(Localiser, BelievesAnExpectedPoseOnceAScanConfirmsIt) {
+  const Pose2 start = mapped().poses.front().inverse() * Pose2{-10.5, -5.0, 0.0};
+  Continued right;
+  right.graph.expect(start * Pose2{0.4, -0.3, 0.1});
+  right.drive({{-10.5, -5.0}, {-10.49, -5.0}});
+  EXPECT_TRUE(right.graph.is_in_world());
+  EXPECT_LT(right.error_m(), 0.1);
+  Continued wrong;
+  wrong.graph.expect(mapped().poses.front().inverse() * Pose2{10.5, -3.0, 0.0});
+  wrong.drive({{-10.5, -5.0}, {-10.49, -5.0}});
+  EXPECT_FALSE(wrong.is_found());
+  wrong.drive({{-10.49, -5.0}, {-10.5, 6.5}, {-5.0, 6.5}});
+  EXPECT_TRUE(wrong.is_found());
+  EXPECT_LT(wrong.error_m(), 0.15);
+}
+
+TEST(Localiser, FindsNothingInAnotherBuilding) {
+  Continued run(ring(14.0, 16.0, 6));
+  run.drive({{-8.5, -9.5}, {8.5, -9.5}, {8.5, 9.5}, {-8.5, 9.5}, {-8.5, -9.5}});
+  EXPECT_FALSE(run.graph.is_in_world());
+  Continued corridor(hotel());
+  corridor.drive({{1.0, 0.0}, {40.0, 0.0}});
+  EXPECT_FALSE(corridor.graph.is_in_world());
+}
+
+TEST(Localiser, RefusesAWorldThatIsLargerThanItsRoom) {
+  GraphParams small;
+  small.submaps_max = 16;
+  SubmapGraph graph(small, RobotLimits{}, ScanParams{}, 1);
+  ASSERT_GT(mapped().graph.submaps().size(), 16U);
+  EXPECT_FALSE(graph.resume(mapped().graph.world()));
+}
+
+}  // namespace
+}  // namespace odoless
