@@ -258,7 +258,7 @@ class DaemonTest(DaemonCase):
         """Of the positions in m (RMS), and of the yaw in degrees (median)."""
         self.config = self.write_config(f"deskew_{deskew}.toml", lrf=f"deskew = {deskew}\n")
         laser = self.start("odoless", "emulate", "lrf", "--from", SPIN, "--model", "urg-04lx", "--pty", self.path("laser"),
-                           "--distortion", "--truth", self.path("truth.tum"))
+                           "--truth", self.path("truth.tum"))
         self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
         daemon = self.start_daemon("--enforce-realtime")
         self.wait_until_ok()
