@@ -43,7 +43,7 @@ PROBED = {
 NETWORKED = ("sopas", "csv")
 DRIVE_S = 25
 ERROR_MAX_M = 0.05
-AT_ONCE = 4  # a daemon and its laser take some 0.16 of a processor
+AT_ONCE = 5  # a daemon and its laser take some 0.16 of a processor
 
 
 def free_port():
@@ -131,6 +131,15 @@ class LasersTest(DaemonCase):
     def test_maps_with_an_stl_27l(self):
         self.expect_maps(self.robot_file("robot-ld19.toml", baud=921600, ldrobot_beams=1080), "stl-27l")
 
+    def test_maps_with_a_hokuyo_of_several_echoes(self):
+        self.expect_maps(self.robot_file("robot.toml"), "utm-30lx-ew", 40.0)
+
+    def test_maps_with_an_rplidar_c1(self):
+        self.expect_maps(self.robot_file("robot-rplidar.toml", baud=460800, rplidar_beams=500), "rplidar-c1")
+
+    def test_maps_with_an_rplidar_s1(self):
+        self.expect_maps(self.robot_file("robot-rplidar.toml", baud=256000, rplidar_beams=920), "rplidar-s1")
+
     def test_maps_with_an_rplidar_a3(self):
         self.expect_maps(self.robot_file("robot-rplidar.toml", rplidar_beams=1440), "rplidar-a3")
 
@@ -139,6 +148,12 @@ class LasersTest(DaemonCase):
 
     def test_maps_with_a_ydlidar_x4(self):
         self.expect_maps(self.robot_file("robot-ydlidar-x4.toml"), "ydlidar-x4", 7.0)
+
+    def test_maps_with_a_ydlidar_x2(self):
+        self.expect_maps(self.robot_file("robot-ydlidar-x4.toml", baud=115200), "ydlidar-x2", 7.0)
+
+    def test_maps_with_a_ydlidar_g4(self):
+        self.expect_maps(self.robot_file("robot-ydlidar-x4.toml", baud=230400, ydlidar_beams=900), "ydlidar-g4", 7.0)
 
     def test_maps_with_a_ydlidar_tg30(self):
         values = {"baud": 512000, "ydlidar_beams": 1800, "ydlidar_ranging": '"time_of_flight"'}

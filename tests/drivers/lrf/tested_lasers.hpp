@@ -41,6 +41,7 @@ struct TestedLaser {
 inline constexpr TestedLaser kTestedLasers[] = {
     {.name = "scip_urg", .model = "urg-04lx", .driver = LrfDriver::kScip},
     {.name = "scip_utm", .model = "utm-30lx", .driver = LrfDriver::kScip},
+    {.name = "scip_echoes", .model = "utm-30lx-ew", .driver = LrfDriver::kScip},
     {.name = "sick", .model = "lms200", .driver = LrfDriver::kSick, .baud = 38400},
     {.name = "sick_degree",
      .model = "lms200",
