@@ -152,6 +152,11 @@ void add_laser_options(CLI::App& command, EmulateLrfOptions& options) {
       ->check(CLI::Range(0.0, 10.0));
   command.add_flag("--at-once", options.at_once,
                    "Cast all beams of a world's scan when the first is, and not each at its own time, as lasers do");
+  const auto refuse_distortion = [] {
+    throw UsageError(
+        "--distortion: beams are cast at their own times now; expected nothing, or --at-once for the old way");
+  };
+  command.add_flag_callback("--distortion", refuse_distortion)->group("");
   command.add_option("--seed", options.seed, "Seed of the noise")->capture_default_str();
   command.add_option("--truth", options.truth,
                      "File for the true pose at each scan sent (TUM), stamped as odolessd does");
