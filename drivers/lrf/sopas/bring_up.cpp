@@ -47,7 +47,7 @@ void BringUp::start(std::int64_t now_ns, bool /*with_reset*/) {
   enter(Step::kStop, now_ns);
 }
 
-std::string_view BringUp::head_of(Step step) const {
+std::string_view BringUp::head_of(Step step) {
   switch (step) {
     case Step::kStop:
     case Step::kStart:

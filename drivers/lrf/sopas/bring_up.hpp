@@ -55,7 +55,7 @@ class BringUp final : public BringUpSteps<ScanStream, Step> {
 
  private:
   void enter(Step step, std::int64_t now_ns);
-  [[nodiscard]] std::string_view head_of(Step step) const;
+  [[nodiscard]] static std::string_view head_of(Step step);
   void send_request_of(Step step);
   [[nodiscard]] bool answers(const Telegram& telegram) const;
   void on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
