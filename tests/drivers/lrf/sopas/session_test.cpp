@@ -144,6 +144,21 @@ TEST(SopasSession, AsksAnLms4124ForEveryTenthScan) {
       << "its mirror's three faces see 120 deg each in the time of a scan";
 }
 
+TEST(SopasSession, SaysWhereADeviceRefusesToLeaveScansOut) {
+  LrfParams params = sopas_params();
+  params.skip = 1;
+  Bench bench("lms111", {}, params, quiet_drive());
+  bench.on_the_way = [](std::string& bytes) {
+    bytes = bytes == "\x02sWA LMDscandatacfg\x03" ? "\x02sFA A\x03" : bytes;
+  };
+  bench.reset();
+  bench.run(4 * kSecond);
+  ASSERT_TRUE(bench.session().ready());
+  ASSERT_EQ(bench.heard().count(LrfEventType::kDeviceError), 1);
+  EXPECT_EQ(bench.heard().events.front().device_status, 10) << "writing is denied";
+  EXPECT_EQ(bench.session().geometry().period_ns, 20 * kMs) << "every scan comes";
+}
+
 std::string answer_of(const char* model, const std::string& request) {
   WorldSource source(test::period_ns_of(model), quiet_drive());
   const auto device = make_emulated_lrf(model, source, {}, 0);
