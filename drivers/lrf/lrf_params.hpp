@@ -15,7 +15,7 @@ enum class LrfDriver : std::uint8_t {
   kRplidar,  ///< Slamtec RPLIDAR, A, C and S series, on a serial line
   kLdrobot,  ///< LDROBOT LD06, LD19, STL-27L, on a serial line
   kYdlidar,  ///< YDLIDAR X2, X4, G4, TG and their kin, on a serial line
-  kSopas,    ///< SICK TiM5xx, LMS1xx and their kin, by SOPAS over TCP
+  kSopas,    ///< SICK TiM5xx, LMS1xx, LMS4xxx and their kin, by SOPAS over TCP
   kCsv,      ///< lasers of one's own: lines of text over UDP, TCP or a serial line
 };
 inline constexpr const char* kLrfDriverNames[] = {"scip",    "lcm",     "sick",  "rplidar",
@@ -71,7 +71,7 @@ struct LrfParams {
   LrfReading reading = LrfReading::kRange;
   int cluster = 1;
   int skip = 0;
-  bool deskew = false;
+  bool deskew = true;
   SickVariant sick_variant = SickVariant::k180ByHalf;
   SickUnit sick_unit = SickUnit::kMm;
   RplidarScan rplidar_scan = RplidarScan::kUsual;
@@ -99,7 +99,8 @@ struct LrfParams {
         "the stamps.");
     visit.choice("reading", self.reading, kLrfReadingNames, "Data that the laser sends per beam.");
     visit.value("cluster", self.cluster, Range{1, 99}, "Neighbouring beams that the laser joins to one, the nearest.");
-    visit.value("skip", self.skip, Range{0, 9}, "Scans that the laser leaves out after each one that it sends.");
+    visit.value("skip", self.skip, Range{0, 9},
+                "Scans that a Hokuyo, or a SICK by SOPAS, leaves out after each one that it sends.");
     visit.flag(
         "deskew", self.deskew,
         "Whether the motion during a scan is taken out of it, where the laser tells when each beam was measured.");

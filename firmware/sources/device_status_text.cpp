@@ -17,7 +17,8 @@ EventText sopas_status_text(int status) {
     case 2:
     case 3:
     case 15:
-      return "laser: it does not know a request (sFA {}): is it a TiM5xx or LMS1xx? lrf.sopas_scan is for LMS1xx only";
+      return "laser: it does not know a request (sFA {}): is it a TiM5xx, LMS1xx or LMS4xxx? lrf.sopas_scan is for "
+             "LMS1xx only";
     case 4:
       return "laser: it refuses a value (sFA {}) that is outside its limits";
     case 12:

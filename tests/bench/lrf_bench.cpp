@@ -34,6 +34,8 @@ LrfParams params_of(LrfDriver driver, int beams = 720) {
 std::vector<Streamed> lasers() {
   LrfParams sick = params_of(LrfDriver::kSick);
   sick.baud = 500000;
+  LrfParams every_tenth = params_of(LrfDriver::kSopas);
+  every_tenth.skip = 9;
   LrfParams time_of_flight = params_of(LrfDriver::kYdlidar, 1800);
   time_of_flight.ydlidar_ranging = LrfRanging::kTimeOfFlight;
   return {{"lms291", sick},                                      // 361 beams at 37.5 Hz
@@ -47,6 +49,7 @@ std::vector<Streamed> lasers() {
           {"ydlidar-tg30", time_of_flight},                   // 20000 points a second
           {"lms111", params_of(LrfDriver::kSopas)},           // 541 beams at 50 Hz, text
           {"tim551", params_of(LrfDriver::kSopas)},           // text, 15 Hz
+          {"lms4124", every_tenth},                           // 841 beams at 60 Hz
           {"csv", params_of(LrfDriver::kCsv)}};
 }
 

@@ -82,7 +82,7 @@ class CloudTest(DaemonCase):
         self.use_servo(TILTING.format(form=form) + f'[recorder]\npath = "{self.path("run")}"\n')
         with open(self.path("room.world"), "w", encoding="utf-8") as file:
             file.write(ROOM)
-        robot = self.start("odoless", "emulate", "robot", "--from", self.path("room.world"), "--pty", self.path("laser"), "--distortion",
+        robot = self.start("odoless", "emulate", "robot", "--from", self.path("room.world"), "--pty", self.path("laser"),
                    "--start-delay-s", 3, "--servo-pty", self.path("servo"), "--truth", self.path("truth.tum"), "--config", self.config)
         try:  # a device's own processor is never busy with anything else
             os.sched_setscheduler(robot.pid, os.SCHED_FIFO, os.sched_param(70))

@@ -258,7 +258,7 @@ class DaemonTest(DaemonCase):
         """Of the positions in m (RMS), and of the yaw in degrees (median)."""
         self.config = self.write_config(f"deskew_{deskew}.toml", lrf=f"deskew = {deskew}\n")
         laser = self.start("odoless", "emulate", "lrf", "--from", SPIN, "--model", "urg-04lx", "--pty", self.path("laser"),
-                           "--distortion", "--truth", self.path("truth.tum"))
+                           "--truth", self.path("truth.tum"))
         self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
         daemon = self.start_daemon("--enforce-realtime")
         self.wait_until_ok()
@@ -348,7 +348,7 @@ class DaemonTest(DaemonCase):
         self.assertEqual(run("odolessd", "--config", self.config, "--check").returncode, 0)
         self.assertEqual(run("odolessd", "--stages", "matcher").returncode, EX_USAGE)
         for robot_file in ("robot.toml", "robot-ld19.toml", "robot-ydlidar-x4.toml", "robot-tim571.toml", "robot-lms111.toml",
-                           "robot-csv.toml", "robot-rplidar.toml"):
+                           "robot-lms4124.toml", "robot-csv.toml", "robot-rplidar.toml"):
             self.assertEqual(run("odolessd", "--config", os.path.join(SOURCES, "config", robot_file), "--check").returncode, 0)
 
     def test_locks_about_as_much_memory_as_it_says_before(self):

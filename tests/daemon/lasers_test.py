@@ -17,9 +17,33 @@ import unittest
 from support import SOURCES, WORLD, DaemonCase, run
 from host_watch import HostWatch  # found by support
 
+# Between shelves of different depths: for a laser that sees 3 m, in 70 deg.
+AISLE = """
+room 0 0  7 2.4
+box 0.9 0.2  0.8 0.4
+box 2.3 0.15  0.6 0.3
+box 3.4 0.3  0.5 0.6
+box 4.6 0.2  0.7 0.4
+box 5.9 0.25  0.5 0.5
+box 1.5 2.25  0.7 0.3
+box 2.8 2.15  0.5 0.5
+box 4.0 2.2  0.6 0.4
+box 5.2 2.1  0.5 0.6
+speed 0.3
+go 0.8 1.2  2.2 1.3  3.6 1.1  5 1.2
+"""
+PROBED = {
+    "scip": ("urg-04lx", "utm-30lx", "utm-30lx-ew"),
+    "rplidar": ("rplidar-a1", "rplidar-a3", "rplidar-c1", "rplidar-s1", "rplidar-s2", "rplidar-s3"),
+    "ldrobot": ("ld06", "ld19", "stl-27l"),
+    "ydlidar": ("ydlidar-x2", "ydlidar-x4", "ydlidar-g4", "ydlidar-tg30"),
+    "sopas": ("lms111", "tim551", "tim571", "lms4124"),
+    "csv": ("csv",),
+}
+NETWORKED = ("sopas", "csv")
 DRIVE_S = 25
 ERROR_MAX_M = 0.05
-AT_ONCE = 4  # a daemon and its laser take some 0.16 of a processor
+AT_ONCE = 5  # a daemon and its laser take some 0.16 of a processor
 
 
 def free_port():
@@ -29,6 +53,7 @@ def free_port():
 
 class LasersTest(DaemonCase):
     port = None  # of a laser on a network
+    world = WORLD
 
     def robot_file(self, name, **values):
         """The robot file with its laser on the emulator's line, and nothing of the network."""
@@ -48,7 +73,7 @@ class LasersTest(DaemonCase):
     def start_laser(self, *more):
         if self.port is None:
             return super().start_laser(*more)
-        return self.start("odoless", "emulate", "lrf", "--from", WORLD, "--tcp", str(self.port), *more)
+        return self.start("odoless", "emulate", "lrf", "--from", self.world, "--tcp", str(self.port), *more)
 
     def error_m(self, model, rate_hz):
         """Of the path as it was published at the time, after a drive (RMS)."""
@@ -77,6 +102,26 @@ class LasersTest(DaemonCase):
             self.assertGreater(host.withheld_s, 1.0, f"{model} is {error_m} m off")
         self.fail("in three attempts the machine was too busy")
 
+    def test_probe_finds_every_laser(self):
+        addresses, probes = {}, {}
+        for driver, models in PROBED.items():
+            for model in models:
+                address, port = self.path(model), free_port()
+                line = ("--tcp", str(port)) if driver in NETWORKED else ("--pty", address)
+                self.start("odoless", "emulate", "lrf", "--from", WORLD, "--model", model, "--start-at-once", *line)
+                addresses[driver, model] = f"tcp://127.0.0.1:{port}" if driver in NETWORKED else address
+        for address in addresses.values():
+            self.wait_until(lambda path=address: path.startswith("tcp:") or os.path.lexists(path), 10)
+        for laser, address in addresses.items():
+            probes[laser] = self.start("odoless", "probe", address, stdout=subprocess.PIPE)
+        for (driver, model), probe in probes.items():
+            text, _ = probe.communicate(timeout=60)
+            with self.subTest(model):
+                self.assertEqual(probe.returncode, 0, text)
+                self.assertIn(f'driver = "{driver}"', text)
+                self.assertRegex(text, r"beams over [0-9.]+ deg, .* Hz")
+                print(f"  {model}: {re.search('[0-9]+ beams over.*', text)[0]}")
+
     def test_maps_with_an_ld06(self):
         self.expect_maps(self.robot_file("robot-ld19.toml"), "ld06")
 
@@ -86,6 +131,15 @@ class LasersTest(DaemonCase):
     def test_maps_with_an_stl_27l(self):
         self.expect_maps(self.robot_file("robot-ld19.toml", baud=921600, ldrobot_beams=1080), "stl-27l")
 
+    def test_maps_with_a_hokuyo_of_several_echoes(self):
+        self.expect_maps(self.robot_file("robot.toml"), "utm-30lx-ew", 40.0)
+
+    def test_maps_with_an_rplidar_c1(self):
+        self.expect_maps(self.robot_file("robot-rplidar.toml", baud=460800, rplidar_beams=500), "rplidar-c1")
+
+    def test_maps_with_an_rplidar_s1(self):
+        self.expect_maps(self.robot_file("robot-rplidar.toml", baud=256000, rplidar_beams=920), "rplidar-s1")
+
     def test_maps_with_an_rplidar_a3(self):
         self.expect_maps(self.robot_file("robot-rplidar.toml", rplidar_beams=1440), "rplidar-a3")
 
@@ -94,6 +148,12 @@ class LasersTest(DaemonCase):
 
     def test_maps_with_a_ydlidar_x4(self):
         self.expect_maps(self.robot_file("robot-ydlidar-x4.toml"), "ydlidar-x4", 7.0)
+
+    def test_maps_with_a_ydlidar_x2(self):
+        self.expect_maps(self.robot_file("robot-ydlidar-x4.toml", baud=115200), "ydlidar-x2", 7.0)
+
+    def test_maps_with_a_ydlidar_g4(self):
+        self.expect_maps(self.robot_file("robot-ydlidar-x4.toml", baud=230400, ydlidar_beams=900), "ydlidar-g4", 7.0)
 
     def test_maps_with_a_ydlidar_tg30(self):
         values = {"baud": 512000, "ydlidar_beams": 1800, "ydlidar_ranging": '"time_of_flight"'}
@@ -107,6 +167,12 @@ class LasersTest(DaemonCase):
 
     def test_maps_with_an_lms111(self):
         self.expect_maps(self.network_robot_file("robot-lms111.toml"), "lms111", 50.0)
+
+    def test_maps_an_aisle_with_an_lms4124(self):
+        self.world = self.path("aisle.world")
+        with open(self.world, "w", encoding="utf-8") as file:
+            file.write(AISLE)
+        self.expect_maps(self.network_robot_file("robot-lms4124.toml"), "lms4124", 60.0)
 
     def test_maps_with_a_laser_of_ones_own(self):
         self.expect_maps(self.network_robot_file("robot-csv.toml"), "csv", 20.0)

@@ -3,9 +3,14 @@
 import os
 import re
 import signal
+import struct
 import time
 import unittest
 
+try:
+    import can
+except ImportError:
+    can = None
 from support import DaemonTest, program, run
 from host_watch import keep_promise  # found by support
 
@@ -13,8 +18,7 @@ LASER = 'device = "/nonexistent/laser"'
 NOT_LEVEL, DISOBEYS = "not level", "servo does not obey"
 
 
-@unittest.skipUnless(os.path.exists("/sys/class/net/vcan0"), "no interface vcan0")
-class CanTest(DaemonTest):
+class CanTestBase(DaemonTest):
     def setUp(self):
         super().setUp()
         run("ip", "link", "set", "vcan0", "up")
@@ -22,6 +26,9 @@ class CanTest(DaemonTest):
     def start_servo(self, *more):
         return self.start(*program("odoless", "emulate", "servo", "--cia402", "--can", "vcan0", *more))
 
+
+@unittest.skipUnless(os.path.exists("/sys/class/net/vcan0"), "no interface vcan0")
+class CanTest(CanTestBase):
     def start_tilting(self, more=""):
         self.start_daemon(LASER, f'[tilt]\ndriver = "cia402"\ndevice = "vcan0"\nsample_period_ms = 20.0\n{more}')
 
@@ -120,3 +127,65 @@ class CanTest(DaemonTest):
         self.start_servo()
         self.wait_until_it_obeys(5)
 
+
+@unittest.skipUnless(can and os.path.exists("/sys/class/net/vcan0"), "no python3-can, or no interface vcan0")
+class ForeignMasterTest(CanTestBase):
+    """A master that knows CiA 301 and 402 alone, with python3-can."""
+
+    NODE = 1
+
+    def setUp(self):
+        super().setUp()
+        self.bus = can.Bus(channel="vcan0", interface="socketcan")
+        self.addCleanup(self.bus.shutdown)
+
+    def hear(self, cob, data=None, seconds=5):
+        """The next frame with that id, and those bytes where they are given."""
+        end_s = time.monotonic() + seconds
+        while (left_s := end_s - time.monotonic()) > 0:
+            frame = self.bus.recv(left_s)
+            if frame and frame.arbitration_id == cob and data in (None, bytes(frame.data)):
+                return bytes(frame.data)
+        return self.fail(f"no frame {cob:03X} {data}")
+
+    def say(self, cob, data):
+        self.bus.send(can.Message(arbitration_id=cob, data=data, is_extended_id=False))
+
+    def sdo(self, request):
+        self.say(0x600 + self.NODE, request.ljust(8, b"\0"))
+        return self.hear(0x580 + self.NODE)
+
+    def read(self, index, sub=0):
+        answer = self.sdo(struct.pack("<BHB", 0x40, index, sub))
+        self.assertEqual(answer[1:4], struct.pack("<HB", index, sub))
+        self.assertIn(answer[0], (0x43, 0x47, 0x4B, 0x4F), answer.hex())
+        return int.from_bytes(answer[4:4 + 4 - (answer[0] >> 2 & 3)], "little", signed=True)
+
+    def write(self, index, value, size, sub=0):
+        command = {1: 0x2F, 2: 0x2B, 4: 0x23}[size]
+        answer = self.sdo(struct.pack("<BHB", command, index, sub) + value.to_bytes(size, "little", signed=True))
+        self.assertEqual(answer[0], 0x60, answer.hex())
+
+    def test_it_moves_a_drive(self):
+        self.start_servo()
+        self.wait_until(lambda: self.bus.recv(0.1), 20, "the boot-up message")
+        self.say(0, [0x81, self.NODE])
+        self.hear(0x700 + self.NODE, b"\0")
+        self.assertEqual(self.read(0x1000) & 0xFFFF, 402)
+        refused = self.sdo(struct.pack("<BHB", 0x40, 0x5FFF, 0))
+        self.assertEqual(refused[0:1] + refused[4:], b"\x80" + struct.pack("<I", 0x06020000), "no such object")
+        self.write(0x1017, 50, 2)
+        self.hear(0x700 + self.NODE, b"\x7f")
+        self.say(0, [0x01, self.NODE])
+        self.hear(0x700 + self.NODE, b"\x05")
+        self.write(0x6060, 1, 1)
+        for word, state in ((0x06, 0x21), (0x07, 0x23), (0x0F, 0x27)):
+            self.write(0x6040, word, 2)
+            self.wait_until(lambda expected=state: self.read(0x6041) & 0x6F == expected, 5, f"state {state:02X}h")
+        goal = self.read(0x6064) + 500
+        for index, value in ((0x6081, 2000), (0x6083, 20000), (0x6084, 20000), (0x607A, goal)):
+            self.write(index, value, 4)
+        self.write(0x6040, 0x3F, 2)
+        self.wait_until(lambda: self.read(0x6041) & 0x1000, 5, "the set point's acknowledgement")
+        self.wait_until(lambda: self.read(0x6041) & 0x400, 10, "target reached")
+        self.assertLessEqual(abs(self.read(0x6064) - goal), 2)

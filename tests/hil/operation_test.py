@@ -46,6 +46,10 @@ class OperationTest(DaemonTest):
         self.wait_until(lambda: os.path.exists("/dev/odoless/lrf-H0000001") and os.path.exists("/dev/odoless/lrf"), 20,
                         "the laser's names")
         self.assertEqual(os.path.realpath("/dev/odoless/lrf"), "/dev/ttyACM0")
+        self.start_laser("--usbip", "--usb-serial", "H0000002")
+        self.wait_until(lambda: os.path.exists("/dev/odoless/lrf-H0000002"), 20, "the name of another of the model")
+        self.assertEqual(os.path.realpath("/dev/odoless/lrf-H0000001"), "/dev/ttyACM0")
+        self.assertEqual(os.path.realpath("/dev/odoless/lrf-H0000002"), "/dev/ttyACM1")
         self.assert_for_the_group("/dev/odoless/lrf")
         run("udevadm", "settle", "--timeout=10")
         properties = run("udevadm", "info", "--query=property", "--name=/dev/ttyACM0").stdout

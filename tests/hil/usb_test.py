@@ -13,11 +13,11 @@ TTY = "/dev/ttyACM0"
 USB_ADDRESS = "usb://15d1:0000/H0000001"
 
 
-def is_plugged_in():
+def is_plugged_in(number="H0000001"):
     for path in glob.glob("/sys/bus/usb/devices/*/serial"):
         try:
             with open(path, encoding="ascii") as serial:
-                if serial.read().strip() == "H0000001":
+                if serial.read().strip() == number:
                     return True
         except OSError:
             pass  # it is pulled out at this very moment
@@ -25,15 +25,15 @@ def is_plugged_in():
 
 
 class UsbTest(DaemonTest):
-    def plug_in(self):
-        laser = self.start_laser("--usbip")
-        self.wait_until(is_plugged_in, 10, "plugging in")
+    def plug_in(self, number="H0000001"):
+        laser = self.start_laser("--usbip", "--usb-serial", number)
+        self.wait_until(lambda: is_plugged_in(number), 10, "plugging in")
         return laser
 
-    def pull_out(self, laser):
+    def pull_out(self, laser, number="H0000001"):
         laser.kill()
         laser.wait()
-        self.wait_until(lambda: not is_plugged_in(), 10, "pulling out")
+        self.wait_until(lambda: not is_plugged_in(number), 10, "pulling out")
 
     def test_an_emulated_laser_is_a_serial_line_of_the_kernel(self):
         laser = self.plug_in()
@@ -73,6 +73,34 @@ class UsbTest(DaemonTest):
 
     def test_the_daemon_reads_a_laser_without_the_kernels_driver_and_survives_unplugging(self):
         self.scans_survive_unplugging(USB_ADDRESS, is_plugged_in)
+
+    def test_a_laser_of_two_is_known_by_its_serial_number_when_a_hub_with_both_comes_back(self):
+        lasers = {number: self.plug_in(number) for number in ("H0000001", "H0000002")}
+        self.start_daemon(f'device = "{USB_ADDRESS.replace("H0000001", "H0000002")}"')
+        self.wait_for_scans(5, 30)
+        for number, laser in lasers.items():
+            self.pull_out(laser, number)
+        self.wait_until(lambda: "no scans" in self.status(), 5, "the flag")
+        lasers = {number: self.plug_in(number) for number in reversed(lasers)}  # each gets the other's names
+        self.wait_for_scans(5, 20)
+        self.pull_out(lasers["H0000001"])
+        self.wait_for_scans(5, 5)
+        self.pull_out(lasers["H0000002"], "H0000002")
+        self.wait_until(lambda: "no scans" in self.status(), 5, "the flag")
+
+    def test_scans_are_the_same_through_the_kernels_driver_and_without_it(self):
+        self.LASER = tuple(word for word in self.LASER if word != "--start-at-once")  # scan 0 is the first that is asked for
+        heard = []
+        for name, device in (("kernel", TTY), ("without", USB_ADDRESS)):
+            laser = self.plug_in()
+            self.wait_until(lambda: os.path.exists(TTY), 10, TTY)
+            daemon = self.start_daemon(f'device = "{device}"', f'[recorder]\npath = "{self.path(name)}"\n')
+            self.wait_for_scans(12, 30)
+            daemon.terminate()
+            self.assertEqual(daemon.wait(timeout=20), 0)
+            self.pull_out(laser)
+            heard.append(self.ranges(*glob.glob(self.path(f"{name}.*.lcm"))))
+        self.assertGreater(len(self.common_scans(*heard)), 8)
 
     def test_a_laser_is_given_back_to_the_kernel(self):
         self.plug_in()

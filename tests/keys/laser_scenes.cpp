@@ -104,7 +104,7 @@ Scene opening() {
 
 std::vector<Scene> scenes() {
   const std::string synchronised = "[gpio]\nsync_line = \"pulse\"\n";
-  return {session_with("utm-30lx", "driver = \"scip\"\ndeskew = true\n" + synchronised),
+  return {session_with("utm-30lx", "driver = \"scip\"\n" + synchronised),
           session_with("lms200", "driver = \"sick\"\nsick_variant = \"180/1\"\n", "", 20 * kSecond_ns),
           session_with("rplidar-a2", "driver = \"rplidar\"\n"),
           session_with("ld19", "driver = \"ldrobot\"\nbaud = 230400\n"),

@@ -1,4 +1,5 @@
 // Emulated devices and clients that say what no client should: none stops to answer, or breaks.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -67,6 +68,33 @@ std::string rplidar_request(Rng& rng) {
   return text;
 }
 
+std::string sopas_content(Rng& rng) {
+  static const std::vector<std::string> kHeads{"sRN LMDscandata",    "sRN LMPscancfg",
+                                               "sRN LMPoutputRange", "sRN DeviceIdent",
+                                               "sEN LMDscandata",    "sWN LMDscandatacfg",
+                                               "sWN LMPoutputRange", "sMN mLMPsetscancfg",
+                                               "sMN SetAccessMode",  "sMN Run",
+                                               "sMN LMCstartmeas",   "sXX"};
+  return kHeads[rng.below(static_cast<std::uint32_t>(kHeads.size()))];
+}
+
+std::string cola_a_request(Rng& rng) {
+  std::string text = sopas_content(rng);
+  for (std::uint32_t word = rng.below(8); word > 0; --word) {
+    text += fmt::format(" {:X}", rng.below(4) == 0 ? rng.below(0xFFFFFFFFU) : rng.below(20));
+  }
+  return '\x02' + text + '\x03';
+}
+
+std::string cola_b_request(Rng& rng) {
+  const std::string content = sopas_content(rng) + ' ' + random_bytes(rng, 24);
+  char sum = 0;
+  for (const char c : content) {
+    sum = static_cast<char>(sum ^ c);
+  }
+  return std::string("\x02\x02\x02\x02\0\0\0", 7) + static_cast<char>(content.size()) + content + sum;
+}
+
 struct Hostile {
   const char* model;
   Request request;
@@ -115,7 +143,10 @@ INSTANTIATE_TEST_SUITE_P(Lasers, HostileClientOfLaser,
                                            Hostile{"lms291-quarter", sick_request, "\x02\x00\x01\x00\x31\x15\x12", 7},
                                            Hostile{"rplidar-a2", rplidar_request, "\xA5\x50", 2},
                                            Hostile{"rplidar-a1-1.16", rplidar_request, "\xA5\x50", 2},
-                                           Hostile{"ydlidar-x4", rplidar_request, "\xA5\x90", 2}),
+                                           Hostile{"ydlidar-x4", rplidar_request, "\xA5\x90", 2},
+                                           Hostile{"lms111", cola_a_request, "\x02sRN DeviceIdent\x03", 17},
+                                           Hostile{"lms4124", cola_b_request,
+                                                   "\x02\x02\x02\x02\0\0\0\x0FsRN DeviceIdent\x25", 24}),
                          [](const auto& tested) {
                            std::string name = tested.param.model;
                            std::replace_if(
@@ -183,6 +214,29 @@ TEST(HostileClientOfDynamixel, IsSurvived) {
   device.receive(std::as_bytes(ping.span()), now_ns);
   device.tick(now_ns + kSecond);
   EXPECT_EQ(device.take_output().size(), 1U);
+}
+
+TEST(HostileClientOfMaestro, IsSurvived) {
+  MaestroDevice device({}, 0);
+  Rng rng(24);
+  std::int64_t now_ns = 0;
+  for (int i = 0; i < 60'000; ++i, now_ns += kMs / 4) {
+    static const std::string kCommands("\x84\x87\x89\x90\x93\xA1\xA2\x9F\xAA\xFF", 10);
+    std::string said(1, kCommands[rng.below(static_cast<std::uint32_t>(kCommands.size()))]);
+    for (std::uint32_t left = rng.below(6); left > 0; --left) {
+      said += static_cast<char>(rng.below(3) == 0 ? rng.below(256) : rng.below(8));
+    }
+    device.receive(std::as_bytes(std::span(said)), now_ns);
+    static_cast<void>(device.take_output());
+    ASSERT_TRUE(std::isfinite(device.angle_rad()));
+  }
+  device.tick(now_ns += kSecond);
+  static_cast<void>(device.take_output());
+  // Six bytes of nothing end whatever it is at; then it is asked for its errors.
+  const std::string question("\xA1\xA1\xA1\xA1\xA1\xA1", 6);
+  device.receive(std::as_bytes(std::span(question)), now_ns);
+  device.tick(now_ns + kSecond);
+  EXPECT_FALSE(device.take_output().empty());
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ std::unique_ptr<EmulatedScans> make_source(const EmulateLrfOptions& options, con
                                   .start_delay_s = options.start_delay_s,
                                   .speed_ratio = options.rate_ratio,
                                   .noise_sd_m = options.noise_sd_m < 0.0 ? model.range_sd_m : options.noise_sd_m,
-                                  .distortion = options.distortion,
+                                  .distortion = !options.at_once,
                                   .seed = options.seed});
 }
 
@@ -150,7 +150,13 @@ void add_laser_options(CLI::App& command, EmulateLrfOptions& options) {
   add_time_options(command, options);
   command.add_option("--noise-sd-m", options.noise_sd_m, "Standard deviation of a world's ranges [the model's]")
       ->check(CLI::Range(0.0, 10.0));
-  command.add_flag("--distortion", options.distortion, "Cast each beam of a world at its own time");
+  command.add_flag("--at-once", options.at_once,
+                   "Cast all beams of a world's scan when the first is, and not each at its own time, as lasers do");
+  const auto refuse_distortion = [] {
+    throw UsageError(
+        "--distortion: beams are cast at their own times now; expected nothing, or --at-once for the old way");
+  };
+  command.add_flag_callback("--distortion", refuse_distortion)->group("");
   command.add_option("--seed", options.seed, "Seed of the noise")->capture_default_str();
   command.add_option("--truth", options.truth,
                      "File for the true pose at each scan sent (TUM), stamped as odolessd does");

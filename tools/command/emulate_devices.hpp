@@ -37,7 +37,7 @@ struct EmulateLrfOptions {
   double duration_s = 0.0;  ///< 0: for ever
   std::uint64_t seed = 1;
   std::uint32_t counter_ms = 0;
-  bool distortion = false;
+  bool at_once = false;  ///< all beams of a scan
   bool start_at_once = false;
   bool stop_at_end = false;
   std::vector<std::string> faults;

@@ -40,6 +40,8 @@ std::string sentence_of(const LrfAnswer& answer) {
                      rate_is_known ? "" : " or more");
 }
 
+constexpr double kScansMaxHz = 60.0;  ///< of which every one is of use
+
 /// A protocol that a laser is asked in, and the rate that it is asked for.
 struct Protocol {
   LrfDriver driver;
@@ -54,7 +56,7 @@ constexpr Protocol kScip{LrfDriver::kScip, "SCIP (Hokuyo)"};
 /// has no rate; only one that is asked for a rate is searched for at all of them.
 constexpr std::array kProtocols{kScip,
                                 Protocol{LrfDriver::kScip, "SCIP at the rates of RS-232", 115200},
-                                Protocol{LrfDriver::kSopas, "SOPAS (SICK TiM, LMS1xx)", 0, 1e9, true},
+                                Protocol{LrfDriver::kSopas, "SOPAS (SICK TiM, LMS1xx, LMS4xxx)", 0, 1e9, true},
                                 Protocol{LrfDriver::kCsv, "lines of text", 0, 2.0, true},
                                 Protocol{LrfDriver::kLdrobot, "LDROBOT's packets", 0, 1.0},
                                 Protocol{LrfDriver::kYdlidar, "YDLIDAR's packets", 0, 3.0},
@@ -71,6 +73,11 @@ void print_configuration(const LrfAnswer& answer, const std::string& alternative
   }
   if (params.baud != 0) {
     fmt::print("baud = {}\n", params.baud);
+  }
+  const double rate_hz = 1e9 / static_cast<double>(answer.geometry.period_ns);
+  if (params.driver == LrfDriver::kSopas && rate_hz > kScansMaxHz) {
+    fmt::print("skip = {}  # one scan of so many and one: the daemon does with some {:.0f} a second\n",
+               std::min(static_cast<int>(std::ceil(rate_hz / kScansMaxHz)) - 1, 9), kScansMaxHz);
   }
   if (params.driver == LrfDriver::kYdlidar) {
     fmt::print(

@@ -87,10 +87,6 @@ std::vector<ServoFrame> Cia402Device::take_output() { return std::exchange(outpu
 
 bool Cia402Device::has_torque() const { return power_ == PowerState::kEnabled || power_ == PowerState::kQuickStop; }
 
-bool Cia402Device::is_silent(std::int64_t now_ns) const {
-  return now_ns < silent_until_ns_ || time_.fault(FaultKind::kSilence, now_ns) != nullptr;
-}
-
 void Cia402Device::send(const std::optional<CanFrame>& frame) {
   if (frame) {
     send(*frame);
@@ -104,7 +100,7 @@ void Cia402Device::receive(std::span<const std::byte> bytes, std::int64_t now_ns
   }
   time_.start(now_ns);
   tick(now_ns);
-  if (is_silent(now_ns)) {
+  if (time_.is_silent(now_ns)) {
     return;
   }
   if (frame->id == canopen::kNmtCob) {
@@ -232,14 +228,12 @@ void Cia402Device::follow_faults(std::int64_t now_ns) {
     fail(static_cast<std::uint16_t>(error->value));
   }
   had_error_ = error != nullptr;
-  const Fault* const reboot = time_.fault(FaultKind::kReboot, now_ns);
-  if (reboot != nullptr && !was_rebooted_) {
-    silent_until_ns_ = now_ns + (reboot->end_ns - reboot->start_ns);
+  if (const Fault* const reboot = time_.reboot(now_ns); reboot != nullptr) {
+    time_.start_until(now_ns + (reboot->end_ns - reboot->start_ns));
     node_state_ = NodeState::kBootUp;
     motor_.halt();
   }
-  was_rebooted_ = reboot != nullptr;
-  if (node_state_ == NodeState::kBootUp && now_ns >= silent_until_ns_) {
+  if (node_state_ == NodeState::kBootUp && !time_.is_starting(now_ns)) {
     power_up(now_ns);
   }
 }
@@ -289,11 +283,11 @@ void Cia402Device::tick(std::int64_t now_ns) {
     }
   }
   const double period_s = dictionary_.get({0x1017, 0}) * 1e-3;
-  if (period_s > 0.0 && now_s_ >= next_heartbeat_s_ && !is_silent(now_ns)) {
+  if (period_s > 0.0 && now_s_ >= next_heartbeat_s_ && !time_.is_silent(now_ns)) {
     next_heartbeat_s_ = std::max(next_heartbeat_s_ + period_s, now_s_);
     send(canopen::heartbeat(options_.node, node_state_));
   }
-  if (is_silent(now_ns)) {
+  if (time_.is_silent(now_ns)) {
     output_.clear();
   }
 }

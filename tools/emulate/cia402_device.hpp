@@ -71,7 +71,6 @@ class Cia402Device final : public EmulatedServo {
   void damage_output(std::int64_t now_ns);
   void refresh();
   [[nodiscard]] bool has_torque() const;
-  [[nodiscard]] bool is_silent(std::int64_t now_ns) const;
   [[nodiscard]] std::uint16_t status_word() const;
   [[nodiscard]] double counts(double angle_rad) const;
   [[nodiscard]] double slope(std::uint16_t index) const;
@@ -90,14 +89,12 @@ class Cia402Device final : public EmulatedServo {
   std::uint16_t control_word_ = 0;
   bool acknowledges_ = false;  ///< the set point, or that homing is attained
   bool homes_ = false;
-  bool was_rebooted_ = false;
   bool had_error_ = false;
   double now_s_ = 0.0;  ///< by its own clock, since power-up
   double next_heartbeat_s_ = 0.0;
   double master_heard_s_ = -1.0;  ///< negative: not yet, or not any more
   bool master_is_lost_ = false;
   std::int64_t last_tick_ns_ = 0;
-  std::int64_t silent_until_ns_ = 0;
 };
 
 }  // namespace odoless

@@ -39,7 +39,7 @@ DynamixelDevice::DynamixelDevice(DynamixelDeviceOptions options, std::int64_t no
   table_.set(DynamixelTable::kId, static_cast<std::uint32_t>(options_.id), 1);
   table_.set(dynamixel::kOperatingMode, options_.mode, 1);
   power_up(now_ns);
-  silent_until_ns_ = now_ns;
+  time_.start_until(now_ns);
 }
 
 void DynamixelDevice::power_up(std::int64_t now_ns) {
@@ -50,7 +50,7 @@ void DynamixelDevice::power_up(std::int64_t now_ns) {
   answers_.clear();
   registered_.clear();
   now_s_ = heard_s_ = 0.0;
-  silent_until_ns_ = now_ns + kRebootNs;
+  time_.start_until(now_ns + kRebootNs);
 }
 
 double DynamixelDevice::counts_per_rad() const { return layout().counts_per_turn / (2.0 * std::numbers::pi); }
@@ -72,10 +72,6 @@ bool DynamixelDevice::line_is_right() const {
   return std::ranges::find(kBauds, line_baud_) == kBauds.end() || line_baud_ == baud();
 }
 
-bool DynamixelDevice::is_silent(std::int64_t now_ns) const {
-  return now_ns < silent_until_ns_ || time_.fault(FaultKind::kSilence, now_ns) != nullptr;
-}
-
 void DynamixelDevice::receive(std::span<const std::byte> bytes, std::int64_t now_ns) {
   if (bytes.empty()) {
     return;
@@ -85,7 +81,7 @@ void DynamixelDevice::receive(std::span<const std::byte> bytes, std::int64_t now
   if (options_.echoes) {
     output_.emplace_back(bytes.begin(), bytes.end());
   }
-  if (is_silent(now_ns) || !line_is_right()) {
+  if (time_.is_silent(now_ns) || !line_is_right()) {
     return;
   }
   for (auto outcome = reader_.take(bytes); outcome != dynamixel::PacketReader::Outcome::kMore;
@@ -217,12 +213,10 @@ void DynamixelDevice::follow_faults(std::int64_t now_ns) {
     table_.set(dynamixel::kTorqueEnable, 0, 1);
     motor_.halt();
   }
-  const Fault* const reboot = time_.fault(FaultKind::kReboot, now_ns);
-  if (reboot != nullptr && !was_rebooted_) {
+  if (const Fault* const reboot = time_.reboot(now_ns); reboot != nullptr) {
     power_up(now_ns);
-    silent_until_ns_ = now_ns + (reboot->end_ns - reboot->start_ns);
+    time_.start_until(now_ns + (reboot->end_ns - reboot->start_ns));
   }
-  was_rebooted_ = reboot != nullptr;
 }
 
 // Data sheet of the XL430-W250, "Bus Watchdog (98)".
@@ -244,18 +238,10 @@ void DynamixelDevice::tick(std::int64_t now_ns) {
   if (!has_torque() && options_.droop_radps != 0.0) {
     motor_.push(options_.droop_radps * counts_per_rad() * elapsed_s);
   }
-  while (!answers_.empty() && answers_.front().due_ns <= now_ns) {
-    if (!is_silent(now_ns)) {
-      output_.push_back(std::move(answers_.front().bytes));
-    }
-    answers_.pop_front();
-  }
+  answers_.send_due(now_ns, time_.is_silent(now_ns), output_);
 }
 
-std::int64_t DynamixelDevice::next_event_ns() const {
-  const std::int64_t next_ns = last_tick_ns_ + kTickNs;
-  return answers_.empty() ? next_ns : std::min(next_ns, answers_.front().due_ns);
-}
+std::int64_t DynamixelDevice::next_event_ns() const { return answers_.next_ns(last_tick_ns_ + kTickNs); }
 
 std::vector<ServoFrame> DynamixelDevice::take_output() { return std::exchange(output_, {}); }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <deque>
 #include <optional>
 #include <vector>
 
@@ -50,10 +49,6 @@ class DynamixelDevice final : public EmulatedServo {
   [[nodiscard]] int baud() const;
 
  private:
-  struct Answer {
-    std::int64_t due_ns = 0;
-    ServoFrame bytes;
-  };
   /// An instruction, and how it is to be answered.
   struct Asked {
     std::span<const std::uint8_t> parameters{};
@@ -88,7 +83,6 @@ class DynamixelDevice final : public EmulatedServo {
   [[nodiscard]] int id() const { return static_cast<int>(table_.get(DynamixelTable::kId, 1)); }
   [[nodiscard]] int level() const;
   [[nodiscard]] bool has_torque() const;
-  [[nodiscard]] bool is_silent(std::int64_t now_ns) const;
   [[nodiscard]] bool line_is_right() const;
   [[nodiscard]] const dynamixel::ControlTable& layout() const { return table_.model().layout; }
   [[nodiscard]] double counts_per_rad() const;
@@ -99,15 +93,13 @@ class DynamixelDevice final : public EmulatedServo {
   DynamixelTable table_;
   ServoMotor motor_;
   std::vector<std::uint8_t> registered_;  ///< address and data
-  std::deque<Answer> answers_;
+  ServoAnswers answers_;
   std::vector<ServoFrame> output_;
   int line_baud_ = 0;
   double now_s_ = 0.0;    ///< by its own clock, since power-up
   double heard_s_ = 0.0;  ///< of the last instruction
   int kept_writes_ = 0;
-  bool was_rebooted_ = false;
   std::int64_t last_tick_ns_ = 0;
-  std::int64_t silent_until_ns_ = 0;
 };
 
 }  // namespace odoless

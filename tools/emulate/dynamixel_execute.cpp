@@ -155,8 +155,7 @@ void DynamixelDevice::execute_own(std::uint8_t instruction, const Asked& asked) 
           instruction == kReboot || (!asked.parameters.empty() && factory_reset(asked.parameters[0], asked.id == kAll));
       if (asked.id == old_id) {
         answer(old_id, is_done ? DynamixelError::kNone : DynamixelError::kDataRange, {}, asked.now_ns);
-        output_.push_back(std::move(answers_.back().bytes));
-        answers_.pop_back();
+        output_.push_back(answers_.take_last());
       }
       if (is_done) {
         power_up(asked.now_ns);
@@ -274,8 +273,7 @@ void DynamixelDevice::send_at(std::vector<std::uint8_t> packet, std::int64_t due
     packet.back() ^= 0x10U;
   }
   const std::span<const std::byte> bytes = std::as_bytes(std::span(packet));
-  const std::int64_t last_ns = answers_.empty() ? due_ns : answers_.back().due_ns;
-  answers_.push_back({std::max(due_ns, last_ns), {bytes.begin(), bytes.end()}});
+  answers_.add({bytes.begin(), bytes.end()}, due_ns);
 }
 
 }  // namespace odoless

@@ -31,7 +31,7 @@ std::vector<EmulatedLrfModel> emulated_lrf_models() {
     models.push_back({std::string(model.name), std::string(model.product), model.turn_ns, model.range_sd_m});
   }
   for (const SopasModel& model : sopas_models()) {
-    models.push_back({std::string(model.name), std::string(model.product), model.turn_ns, model.range_sd_m});
+    models.push_back({std::string(model.name), std::string(model.product), model.scan_ns, model.range_sd_m});
   }
   models.push_back(
       {std::string(CsvDevice::kName), std::string(CsvDevice::kProduct), CsvDevice::kTurnNs, CsvDevice::kRangeSdM});

@@ -48,7 +48,7 @@ std::optional<std::size_t> data_bytes(unsigned code, std::span<const unsigned> d
 MaestroDevice::MaestroDevice(MaestroDeviceOptions options, std::int64_t now_ns)
     : options_(std::move(options)), time_(options_.faults, now_ns), motor_(home_counts()), last_tick_ns_(now_ns) {
   power_up(now_ns);
-  silent_until_ns_ = now_ns;
+  time_.start_until(now_ns);
 }
 
 double MaestroDevice::counts_per_rad() const { return options_.turn_us * kCountsPerUs / (2.0 * std::numbers::pi); }
@@ -63,7 +63,7 @@ void MaestroDevice::power_up(std::int64_t now_ns) {
   received_.clear();
   answers_.clear();
   motor_.halt();
-  silent_until_ns_ = now_ns + kRebootNs;
+  time_.start_until(now_ns + kRebootNs);
 }
 
 double MaestroDevice::angle_rad() const {
@@ -72,17 +72,13 @@ double MaestroDevice::angle_rad() const {
 
 double MaestroDevice::velocity_radps() const { return motor_.velocity_counts_per_s() / counts_per_rad(); }
 
-bool MaestroDevice::is_silent(std::int64_t now_ns) const {
-  return now_ns < silent_until_ns_ || time_.fault(FaultKind::kSilence, now_ns) != nullptr;
-}
-
 void MaestroDevice::receive(std::span<const std::byte> bytes, std::int64_t now_ns) {
   if (bytes.empty()) {
     return;
   }
   time_.start(now_ns);
   tick(now_ns);
-  if (is_silent(now_ns)) {
+  if (time_.is_silent(now_ns)) {
     return;
   }
   for (const std::byte byte : bytes) {
@@ -181,7 +177,7 @@ void MaestroDevice::answer(std::initializer_list<unsigned> bytes) {
   for (const unsigned byte : bytes) {
     frame.push_back(static_cast<std::byte>(byte));
   }
-  answers_.push_back({last_tick_ns_ + options_.latency_ns, std::move(frame)});
+  answers_.add(std::move(frame), last_tick_ns_ + options_.latency_ns);
 }
 
 void MaestroDevice::follow_faults(std::int64_t now_ns) {
@@ -190,12 +186,10 @@ void MaestroDevice::follow_faults(std::int64_t now_ns) {
     errors_ |= static_cast<unsigned>(error->value);
   }
   had_error_ = error != nullptr;
-  const Fault* const reboot = time_.fault(FaultKind::kReboot, now_ns);
-  if (reboot != nullptr && !was_rebooted_) {
+  if (const Fault* const reboot = time_.reboot(now_ns); reboot != nullptr) {
     power_up(now_ns);
-    silent_until_ns_ = now_ns + (reboot->end_ns - reboot->start_ns);
+    time_.start_until(now_ns + (reboot->end_ns - reboot->start_ns));
   }
-  was_rebooted_ = reboot != nullptr;
 }
 
 void MaestroDevice::tick(std::int64_t now_ns) {
@@ -206,18 +200,10 @@ void MaestroDevice::tick(std::int64_t now_ns) {
   if (!has_pulse_ && options_.droop_radps != 0.0) {
     motor_.push(options_.droop_radps * counts_per_rad() * elapsed_s);
   }
-  while (!answers_.empty() && answers_.front().due_ns <= now_ns) {
-    if (!is_silent(now_ns)) {
-      output_.push_back(std::move(answers_.front().bytes));
-    }
-    answers_.pop_front();
-  }
+  answers_.send_due(now_ns, time_.is_silent(now_ns), output_);
 }
 
-std::int64_t MaestroDevice::next_event_ns() const {
-  const std::int64_t next_ns = last_tick_ns_ + kTickNs;
-  return answers_.empty() ? next_ns : std::min(next_ns, answers_.front().due_ns);
-}
+std::int64_t MaestroDevice::next_event_ns() const { return answers_.next_ns(last_tick_ns_ + kTickNs); }
 
 std::vector<ServoFrame> MaestroDevice::take_output() { return std::exchange(output_, {}); }
 

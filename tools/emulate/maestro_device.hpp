@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <deque>
 #include <vector>
 
 #include "tools/emulate/emulated_servo.hpp"
@@ -42,11 +41,6 @@ class MaestroDevice final : public EmulatedServo {
   [[nodiscard]] unsigned errors() const { return errors_; }
 
  private:
-  struct Answer {
-    std::int64_t due_ns = 0;
-    ServoFrame bytes;
-  };
-
   void power_up(std::int64_t now_ns);
   void on_byte(unsigned byte);
   void execute(unsigned code, std::span<const unsigned> data);
@@ -54,7 +48,6 @@ class MaestroDevice final : public EmulatedServo {
   void set_target(unsigned counts);
   void answer(std::initializer_list<unsigned> bytes);
   void follow_faults(std::int64_t now_ns);
-  [[nodiscard]] bool is_silent(std::int64_t now_ns) const;
   [[nodiscard]] double counts_per_rad() const;
   [[nodiscard]] double home_counts() const;
 
@@ -62,16 +55,14 @@ class MaestroDevice final : public EmulatedServo {
   ServoTime time_;
   ServoMotor motor_;
   std::vector<unsigned> received_;  ///< of the command that is being received
-  std::deque<Answer> answers_;
+  ServoAnswers answers_;
   std::vector<ServoFrame> output_;
   bool has_pulse_ = false;
   unsigned speed_ = 0;  ///< 0: as fast as it can
   unsigned acceleration_ = 0;
   unsigned errors_ = 0;
-  bool was_rebooted_ = false;
   bool had_error_ = false;
   std::int64_t last_tick_ns_ = 0;
-  std::int64_t silent_until_ns_ = 0;
 };
 
 }  // namespace odoless

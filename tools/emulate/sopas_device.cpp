@@ -13,12 +13,12 @@ namespace {
 
 using sopas::Dialect;
 
-constexpr std::array<SopasModel, 3> kModels{{
+constexpr std::array<SopasModel, 4> kModels{{
     {.name = "lms111",
      .product = "SICK LMS111",
      .ident = "LMS11x_FieldEval V1.36",
      .dialect = Dialect::kAscii,
-     .turn_ns = 20'000'000,
+     .scan_ns = 20'000'000,
      .steps_per_deg = 2,
      .has_settings = true,
      .needs_login = true,
@@ -29,7 +29,7 @@ constexpr std::array<SopasModel, 3> kModels{{
      .product = "SICK TiM551",
      .ident = "TiM551 V2.54",
      .dialect = Dialect::kAscii,
-     .turn_ns = 66'666'667,
+     .scan_ns = 66'666'667,
      .steps_per_deg = 1,
      .has_settings = false,
      .needs_login = false,
@@ -40,13 +40,29 @@ constexpr std::array<SopasModel, 3> kModels{{
      .product = "SICK TiM571",
      .ident = "TiM571 V3.02",
      .dialect = Dialect::kBinary,
-     .turn_ns = 66'666'667,
+     .scan_ns = 66'666'667,
      .steps_per_deg = 3,
      .has_settings = false,
      .needs_login = true,
      .is_stamped_at_end = true,
      .range_far_m = 25.0,
      .range_sd_m = 0.02},
+    {.name = "lms4124",
+     .product = "SICK LMS4124",
+     .ident = "LMS4124R V1.20",
+     .dialect = Dialect::kBinary,
+     .scan_ns = 1'666'667,
+     .steps_per_deg = 12,
+     .first_tmdeg = 550'000,
+     .last_tmdeg = 1'250'000,
+     .scans_per_turn = 3,
+     .mm_per_count = 0.1,
+     .has_settings = false,
+     .needs_login = true,
+     .is_stamped_at_end = false,
+     .range_near_m = 0.7,
+     .range_far_m = 3.0,
+     .range_sd_m = 0.001},
 }};
 
 // Codes of refusals.
@@ -59,8 +75,7 @@ constexpr int kWriteDenied = 10;
 constexpr int kCommandUnknown = 12;
 constexpr int kEventUnknown = 15;
 
-constexpr double kZeroIndexDeg = -90.0;
-constexpr double kLastDeg = 225.0;
+constexpr double kFrontDeg = 90.0;
 constexpr std::int64_t kThinksNs = 2'000'000;  ///< from the last beam to the first byte
 constexpr std::uint32_t kClientPassword = 0xF4724744;
 constexpr std::uint32_t kMaintenancePassword = 0xB21ACE26;
@@ -80,12 +95,12 @@ SopasDevice::SopasDevice(const SopasModel& model, EmulatedScans& source, Emulate
                          std::int64_t now_ns)
     : EmulatedLrf(source, options),
       model_(model),
-      settings_{.steps_per_deg = model.steps_per_deg},
+      settings_(settings_at_power_up()),
       clock_host_ns_(now_ns),
       clock_device_ns_(options.counter_start_ms * 1e6) {}
 
 void SopasDevice::restart(std::int64_t now_ns) {
-  settings_ = {.steps_per_deg = model_.steps_per_deg};
+  settings_ = settings_at_power_up();
   is_logged_in_ = is_streaming_ = false;
   reader_.clear();
   clock_host_ns_ = now_ns;
@@ -107,9 +122,14 @@ std::int64_t SopasDevice::scan_start_ns(std::int64_t piece) const {
   return source().start_ns(piece * settings_.turns_per_scan);
 }
 
+// The zero index is opposite the front, of each face of the mirror.
+std::int64_t SopasDevice::since_zero_ns(double sick_deg) const {
+  const double zero_deg = kFrontDeg - 180.0 / model_.scans_per_turn;
+  return std::llround((sick_deg - zero_deg) / 360.0 * model_.scans_per_turn * static_cast<double>(scan_ns()));
+}
+
 std::int64_t SopasDevice::due_ns(std::int64_t piece) const {
-  const double sweep = (kLastDeg - kZeroIndexDeg) / 360.0;
-  return origin_ns() + scan_start_ns(piece) + std::llround(sweep * static_cast<double>(turn_ns())) + kThinksNs;
+  return origin_ns() + scan_start_ns(piece) + since_zero_ns(model_.last_tmdeg * 1e-4) + kThinksNs;
 }
 
 void SopasDevice::on_due(std::int64_t piece) {
@@ -117,8 +137,7 @@ void SopasDevice::on_due(std::int64_t piece) {
     return;
   }
   const std::string bytes = scan_telegram("sSN LMDscandata", piece);
-  const double first_deg = settings_.start_tmdeg * 1e-4 - kZeroIndexDeg;
-  const std::int64_t to_first_ns = std::llround(first_deg / 360.0 * static_cast<double>(turn_ns()));
+  const std::int64_t to_first_ns = since_zero_ns(settings_.start_tmdeg * 1e-4);
   send_piece(bytes, SentScan{piece * settings_.turns_per_scan, origin_ns() + scan_start_ns(piece) + to_first_ns},
              due_ns(piece));
 }
@@ -130,8 +149,7 @@ std::string SopasDevice::scan_telegram(std::string_view head, std::int64_t piece
   beams_.clear();
   for (int i = 0; i < count; ++i) {
     const double sick_deg = settings_.start_tmdeg * 1e-4 + static_cast<double>(i) / settings_.steps_per_deg;
-    const double turned = (sick_deg - kZeroIndexDeg) / 360.0;
-    beams_.push_back({sopas::bearing_rad(sick_deg), std::llround(turned * static_cast<double>(turn_ns()))});
+    beams_.push_back({sopas::bearing_rad(sick_deg), since_zero_ns(sick_deg)});
   }
   ranges_m_.resize(beams_.size());
   measure(piece * settings_.turns_per_scan, beams_, ranges_m_, sent_ns);
@@ -142,21 +160,24 @@ std::string SopasDevice::scan_telegram(std::string_view head, std::int64_t piece
   telegram.number(++telegrams_ & 0xFFFFU, 2).number(scans, 2);
   telegram.number(clock_us(stamped_ns), 4).number(clock_us(sent_ns), 4);
   telegram.number(0, 1).number(0, 1).number(7, 1).number(0, 1).number(0, 2);
-  telegram.number(static_cast<std::uint32_t>(std::llround(1e11 / static_cast<double>(turn_ns()))), 4);
-  telegram.number(
-      360U * static_cast<unsigned>(settings_.steps_per_deg) * 10'000'000U / static_cast<unsigned>(turn_ns()), 4);
+  telegram.number(static_cast<std::uint32_t>(std::llround(1e11 / static_cast<double>(scan_ns()))), 4);
+  const double beams_per_scan = 360.0 * settings_.steps_per_deg / model_.scans_per_turn;
+  telegram.number(static_cast<std::uint32_t>(beams_per_scan * 1e7 / static_cast<double>(scan_ns())), 4);
   telegram.number(0, 2).number(settings_.has_remission ? 2 : 1, 2);
-  const auto channel = [&](std::string_view name, const auto& value_of) {
-    telegram.word(name).real(1.0F).real(0.0F).signed_number(settings_.start_tmdeg);
+  const auto channel = [&](std::string_view name, float scale, const auto& value_of) {
+    telegram.word(name).real(scale).real(0.0F).signed_number(settings_.start_tmdeg);
     telegram.number(static_cast<std::uint32_t>(10'000 / settings_.steps_per_deg), 2);
     telegram.number(static_cast<std::uint32_t>(count), 2);
     for (const double range_m : ranges_m_) {
-      telegram.number(value_of(range_m < model_.range_far_m ? range_m : 0.0), 2);
+      const bool is_seen = range_m >= model_.range_near_m && range_m < model_.range_far_m;
+      telegram.number(value_of(is_seen ? range_m : 0.0), 2);
     }
   };
-  channel("DIST1", [](double range_m) { return static_cast<std::uint32_t>(std::lround(range_m * 1000.0)); });
+  channel("DIST1", static_cast<float>(model_.mm_per_count), [&](double range_m) {
+    return static_cast<std::uint32_t>(std::lround(range_m * 1000.0 / model_.mm_per_count));
+  });
   if (settings_.has_remission) {
-    channel("RSSI1", [](double range_m) { return range_m > 0.0 ? kRemission : 0U; });
+    channel("RSSI1", 1.0F, [](double range_m) { return range_m > 0.0 ? kRemission : 0U; });
   }
   for (int nothing = 0; nothing < 6; ++nothing) {  // 8 bit channels, position, name, comment, time of day, event
     telegram.number(0, 2);
@@ -209,10 +230,10 @@ void SopasDevice::read_variable(std::string_view name, std::int64_t now_ns) {
     answer.text(model_.ident.substr(model_.ident.find(' ') + 1));
   } else if (name == "SCdevicestate") {
     answer.number(1, 1);
-  } else if (name == "LMPscancfg") {
-    answer.number(static_cast<std::uint32_t>(std::llround(1e11 / static_cast<double>(turn_ns()))), 4).number(1, 2);
+  } else if (name == "LMPscancfg" && model_.scans_per_turn == 1) {
+    answer.number(static_cast<std::uint32_t>(std::llround(1e11 / static_cast<double>(scan_ns()))), 4).number(1, 2);
     answer.number(static_cast<std::uint32_t>(10'000 / settings_.steps_per_deg), 4);
-    answer.signed_number(-450'000).signed_number(2'250'000);
+    answer.signed_number(model_.first_tmdeg).signed_number(model_.last_tmdeg);
   } else if (name == "LMPoutputRange") {
     answer.number(1, 2).number(static_cast<std::uint32_t>(10'000 / settings_.steps_per_deg), 4);
     answer.signed_number(settings_.start_tmdeg).signed_number(settings_.stop_tmdeg);
@@ -261,7 +282,8 @@ bool SopasDevice::set_part(sopas::Fields& fields) {
   static_cast<void>(fields.number(4));
   const std::int32_t start_tmdeg = fields.signed_number();
   const std::int32_t stop_tmdeg = fields.signed_number();
-  if (!fields.ok() || start_tmdeg < -450'000 || stop_tmdeg > 2'250'000 || start_tmdeg + 10'000 > stop_tmdeg) {
+  if (!fields.ok() || start_tmdeg < model_.first_tmdeg || stop_tmdeg > model_.last_tmdeg ||
+      start_tmdeg + 10'000 > stop_tmdeg) {
     return false;
   }
   settings_.start_tmdeg = start_tmdeg / 10'000 * 10'000;
@@ -305,9 +327,9 @@ void SopasDevice::call_method(std::string_view name, sopas::Fields fields, std::
       return refuse(kMethodDenied, now_ns);
     }
     answer.number(static_cast<std::uint32_t>(set_scan(fields, now_ns)), 1);
-    answer.number(static_cast<std::uint32_t>(std::llround(1e11 / static_cast<double>(turn_ns()))), 4).number(1, 2);
+    answer.number(static_cast<std::uint32_t>(std::llround(1e11 / static_cast<double>(scan_ns()))), 4).number(1, 2);
     answer.number(static_cast<std::uint32_t>(10'000 / settings_.steps_per_deg), 4);
-    answer.signed_number(-450'000).signed_number(2'250'000);
+    answer.signed_number(model_.first_tmdeg).signed_number(model_.last_tmdeg);
   } else if (name == "mEEwriteall" && is_logged_in_) {
     answer.number(1, 1);
   } else {

@@ -19,13 +19,18 @@ struct SopasModel {
   std::string_view product;
   std::string_view ident;  ///< type and firmware, as DeviceIdent has them
   sopas::Dialect dialect;  ///< the one that it is set to
-  std::int64_t turn_ns;
+  std::int64_t scan_ns;    ///< from scan to scan
   int steps_per_deg;       ///< after power-up
-  bool has_settings;       ///< of rate and step: LMS1xx; a TiM has one of each
-  bool needs_login;        ///< for what a scan holds
-  bool is_stamped_at_end;  ///< of the scan, and not at the mirror's zero index before it
-  double range_far_m;      ///< what it really sees
-  double range_sd_m;       ///< standard deviation of one range
+  std::int32_t first_tmdeg = -450'000;
+  std::int32_t last_tmdeg = 2'250'000;
+  int scans_per_turn = 1;     ///< more than one: its mirror has so many faces
+  double mm_per_count = 1.0;  ///< of a range
+  bool has_settings;          ///< of rate and step: LMS1xx; a TiM has one of each
+  bool needs_login;           ///< for what a scan holds
+  bool is_stamped_at_end;     ///< of the scan, and not at the mirror's zero index before it
+  double range_near_m = 0.0;  ///< what it really sees
+  double range_far_m;
+  double range_sd_m;  ///< standard deviation of one range
 };
 
 [[nodiscard]] std::span<const SopasModel> sopas_models();
@@ -45,8 +50,8 @@ class SopasDevice final : public EmulatedLrf {
   struct Settings {
     int turns_per_scan = 1;  ///< of the source: 2 is half the rate
     int steps_per_deg = 1;
-    std::int32_t start_tmdeg = -450'000;
-    std::int32_t stop_tmdeg = 2'250'000;
+    std::int32_t start_tmdeg = 0;
+    std::int32_t stop_tmdeg = 0;
     bool has_remission = false;
     unsigned scans_per_telegram = 1;
   };
@@ -66,7 +71,12 @@ class SopasDevice final : public EmulatedLrf {
   [[nodiscard]] bool set_part(sopas::Fields& fields);
   void refuse(int code, std::int64_t now_ns);
 
-  [[nodiscard]] std::int64_t turn_ns() const { return model_.turn_ns * settings_.turns_per_scan; }
+  [[nodiscard]] Settings settings_at_power_up() const {
+    return {.steps_per_deg = model_.steps_per_deg, .start_tmdeg = model_.first_tmdeg, .stop_tmdeg = model_.last_tmdeg};
+  }
+  [[nodiscard]] std::int64_t scan_ns() const { return model_.scan_ns * settings_.turns_per_scan; }
+  /// From the zero index of the mirror to that angle.
+  [[nodiscard]] std::int64_t since_zero_ns(double sick_deg) const;
   [[nodiscard]] std::int64_t scan_start_ns(std::int64_t piece) const;
   [[nodiscard]] std::string scan_telegram(std::string_view head, std::int64_t piece);
   [[nodiscard]] std::uint32_t clock_us(std::int64_t now_ns) const;

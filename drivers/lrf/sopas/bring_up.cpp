@@ -47,7 +47,7 @@ void BringUp::start(std::int64_t now_ns, bool /*with_reset*/) {
   enter(Step::kStop, now_ns);
 }
 
-std::string_view BringUp::head_of(Step step) const {
+std::string_view BringUp::head_of(Step step) {
   switch (step) {
     case Step::kStop:
     case Step::kStart:
@@ -99,7 +99,7 @@ void BringUp::send_request_of(Step step) {
       request_.number(0, 1);                     // its unit
       request_.number(0, 1, 2).number(0, 1, 2);  // no encoders
       request_.number(0, 1).number(0, 1).number(0, 1).number(0, 1);
-      request_.number(1, 2);  // every scan
+      request_.number(static_cast<std::uint32_t>(params().skip + 1), 2);  // every scan, or one of so many
       break;
     default:
       break;
@@ -155,6 +155,7 @@ void BringUp::on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& 
     case Step::kSetScan:
       return on_scan_set(telegram, now_ns, sink);
     case Step::kSetContent:
+      on_content_set(telegram, sink);
       return enter(Step::kMeasure, now_ns);
     case Step::kMeasure:
       return enter(Step::kRun, now_ns);
@@ -192,6 +193,14 @@ void BringUp::on_scan_set(const Telegram& telegram, std::int64_t now_ns, LrfSink
   enter(Step::kSetContent, now_ns);
 }
 
+// One that refuses sends every scan, of what content a scan tells.
+void BringUp::on_content_set(const Telegram& telegram, LrfSink& sink) {
+  scans_per_telegram_ = telegram.is_refusal() ? 1 : params().skip + 1;
+  if (telegram.is_refusal() && params().skip > 0) {
+    tell_error(telegram.refusal_code(), sink);
+  }
+}
+
 void BringUp::on_scan(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink) {
   const Result<ScanData> data = stream().read(telegram);
   if (!data.ok()) {
@@ -200,7 +209,7 @@ void BringUp::on_scan(const Telegram& telegram, std::int64_t now_ns, LrfSink& si
   if (std::exchange(shape_, data.value().shape) != data.value().shape) {
     return;
   }
-  if (const Errc error = stream().configure(data.value()); error != Errc::kOk) {
+  if (const Errc error = stream().configure(data.value(), scans_per_telegram_); error != Errc::kOk) {
     return refuse(error, now_ns, sink);
   }
   finish();

@@ -35,7 +35,7 @@ enum class Step : std::uint8_t {
 ///   1. stop whatever stream runs (sEN LMDscandata 0); no answer: the other dialect, and anew;
 ///   2. log in, as authorized client;
 ///   3. where a rate and step are wished for and the device has others (sRN LMPscancfg): mLMPsetscancfg;
-///   4. what a scan is to hold: ranges of 16 bits, of every scan (sWN LMDscandatacfg);
+///   4. what a scan is to hold: ranges of 16 bits, of every scan or one of so many (sWN LMDscandatacfg);
 ///   5. measure (sMN LMCstartmeas) and leave the log-in (sMN Run);
 ///   6. start the stream (sEN LMDscandata 1), and wait for two scans of one shape.
 ///
@@ -55,18 +55,20 @@ class BringUp final : public BringUpSteps<ScanStream, Step> {
 
  private:
   void enter(Step step, std::int64_t now_ns);
-  [[nodiscard]] std::string_view head_of(Step step) const;
+  [[nodiscard]] static std::string_view head_of(Step step);
   void send_request_of(Step step);
   [[nodiscard]] bool answers(const Telegram& telegram) const;
   void on_answer(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
   void on_scan_settings(const Telegram& telegram, std::int64_t now_ns);
   void on_scan_set(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
+  void on_content_set(const Telegram& telegram, LrfSink& sink);
   void on_scan(const Telegram& telegram, std::int64_t now_ns, LrfSink& sink);
 
   Dialect dialect_ = Dialect::kAscii;
   int line_baud_;
-  int silences_ = 0;  ///< dialects in a row that nothing answered in
-  ScanShape shape_;   ///< of the first scan, until a second one agrees
+  int silences_ = 0;            ///< dialects in a row that nothing answered in
+  int scans_per_telegram_ = 1;  ///< that it sends one of
+  ScanShape shape_;             ///< of the first scan, until a second one agrees
   Request request_;
 };
 

@@ -29,7 +29,7 @@ void read_head(Fields& fields, ScanData& data) {
     static_cast<void>(fields.number(1));
   }
   static_cast<void>(fields.number(2));  // the layer, of devices that have several
-  data.turns_hz = fields.number(4) * 0.01;
+  data.scans_hz = fields.number(4) * 0.01;
   data.measurements_khz = fields.number(4) * 0.1;
   data.encoders = static_cast<int>(fields.number(2));
   for (int i = 0; i < data.encoders && i < kEncodersMax; ++i) {

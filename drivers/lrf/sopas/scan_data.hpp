@@ -29,7 +29,7 @@ struct ScanData {
   int scan_counter = 0;
   std::uint32_t stamp_us = 0;     ///< of the scan, since the device was switched on
   std::uint32_t sending_us = 0;   ///< of its sending, on the same clock
-  double turns_hz = 0.0;          ///< of the mirror
+  double scans_hz = 0.0;          ///< that it measures, whether or not it sends them all
   double measurements_khz = 0.0;  ///< single ones
   int encoders = 0;
   ScanShape shape;  ///< of the first echo, DIST1

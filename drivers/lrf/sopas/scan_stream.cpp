@@ -11,14 +11,22 @@ namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kFrontDeg = 90.0;
-constexpr double kZeroIndexDeg = -90.0;  ///< the middle of what the mirror cannot see
 constexpr double kDegPerTmdeg = 1e-4;
 constexpr std::uint16_t kFirstRange = 16;  ///< lower counts are codes: too dark, too near, too far, dazzled
 constexpr double kRangeMinM = 0.05;
-constexpr double kTurnsMinHz = 1.0;
-constexpr double kTurnsMaxHz = 1000.0;
+constexpr double kScansMinHz = 1.0;
+constexpr double kScansMaxHz = 1000.0;
 constexpr std::uint32_t kOnItsWayMaxUs = 1'000'000;
 constexpr std::uint32_t kUsPerMs = 1000;
+constexpr double kFacesMax = 12.0;
+
+/// How many scans a turn of the mirror has: a polygon sees a part of the circle with each of its faces. It is told by
+/// how many measurements the time of a scan has room for.
+double faces_of_mirror(const ScanData& data, double step) {
+  const double per_turn = 360.0 / step;
+  const double per_scan = data.measurements_khz * 1e3 / data.scans_hz;
+  return per_scan > 0.0 ? std::clamp(std::round(per_turn / per_scan), 1.0, kFacesMax) : 1.0;
+}
 
 }  // namespace
 
@@ -35,25 +43,27 @@ ScanStream::ScanStream(const LrfParams& /*params*/, int beams_max)
 
 Result<ScanData> ScanStream::read(const Telegram& telegram) { return scan_data_of(telegram, counts_); }
 
-Errc ScanStream::configure(const ScanData& first) {
-  if (first.turns_hz < kTurnsMinHz || first.turns_hz > kTurnsMaxHz) {
+Errc ScanStream::configure(const ScanData& first, int scans_per_telegram) {
+  if (first.scans_hz < kScansMinHz || first.scans_hz > kScansMaxHz) {
     return Errc::kBadGeometry;
   }
   shape_ = first.shape;
-  const double turn_ns = 1e9 / first.turns_hz;
+  const double scan_ns = 1e9 / first.scans_hz;
   const double start_deg = shape_.start_tmdeg * kDegPerTmdeg;
   const double step = step_deg(shape_.step_tmdeg);
-  const double beam_ns = turn_ns * step / 360.0;
+  const double faces = faces_of_mirror(first, step);
+  const double beam_ns = scan_ns * faces * step / 360.0;
   const double sweep_ns = beam_ns * (shape_.beams - 1);
   const bool is_stamped_at_end = (first.sending_us - first.stamp_us) * 1e3 < sweep_ns;
   beam_period_ns_ = std::llround(beam_ns);
-  to_first_beam_ns_ = std::llround(is_stamped_at_end ? -sweep_ns : turn_ns * (start_deg - kZeroIndexDeg) / 360.0);
+  to_first_beam_ns_ =
+      std::llround(is_stamped_at_end ? -sweep_ns : scan_ns * (0.5 + (start_deg - kFrontDeg) * faces / 360.0));
   geometry_ = {.beams = shape_.beams,
                .start_angle_rad = to_float_precision(bearing_rad(start_deg)),
                .angle_step_rad = to_float_precision(step * kRadPerDeg),
                .range_min_m = kRangeMinM,
                .range_max_m = 65535.0 * static_cast<double>(shape_.scale) * 1e-3,
-               .period_ns = std::llround(turn_ns)};
+               .period_ns = std::llround(scan_ns * scans_per_telegram)};
   clock_.start(geometry_.period_ns, 0);
   buffer_.restart();
   return Errc::kOk;

@@ -30,8 +30,9 @@ class ScanStream {
   /// The scan in a telegram; its beams are there until the next. Errors: see scan_data_of.
   [[nodiscard]] Result<ScanData> read(const Telegram& telegram);
 
-  /// Fits to what the device sends. Errc::kBadGeometry: it cannot be.
-  [[nodiscard]] Errc configure(const ScanData& first);
+  /// Fits to what the device sends. @param scans_per_telegram  It sends one of so many. Errc::kBadGeometry: it cannot
+  /// be.
+  [[nodiscard]] Errc configure(const ScanData& first, int scans_per_telegram = 1);
 
   [[nodiscard]] const LrfGeometry& geometry() const { return geometry_; }
 

@@ -7,8 +7,8 @@
 
 namespace odoless {
 
-/// SICK's TiM5xx, LMS1xx and their kin, which speak SOPAS: brings the device up, decodes its stream, and brings it up
-/// again when it ends, stalls or becomes another.
+/// SICK's TiM5xx, LMS1xx, LMS4xxx and their kin, which speak SOPAS: brings the device up, decodes its stream, and
+/// brings it up again when it ends, stalls or becomes another.
 ///
 /// In CoLa B, one damaged byte costs at most one scan. CoLa A has no check sums: what damages it may change a range.
 /// Contract: see LrfSession.

@@ -26,9 +26,11 @@ constexpr double kWrongShareMax = 0.05;  ///< of a scan's beams: at an edge, one
 constexpr int kLostPerOutageMax = 3;     ///< that it stalled, that it is silent, and that no rate helps
 constexpr double kRangeErrorMaxM = 0.05;
 
-WorldDrive standing_robot() {
+WorldDrive standing_robot(double sees_to_m) {
+  constexpr const char* kRoom = "room 0 0  7 4\nbox 5 3  1 0.6\nspeed 0.01\ngo 2 1.6  2.01 1.6\n";
+  constexpr const char* kCloset = "room 0 0  4 3\nbox 3 2.2  0.5 0.4\nspeed 0.01\ngo 1.5 1.4  1.51 1.4\n";
   WorldDrive drive;
-  drive.world = parse_world("room 0 0  7 4\nbox 5 3  1 0.6\nspeed 0.01\ngo 2 1.6  2.01 1.6\n", "standing");
+  drive.world = parse_world(sees_to_m < 6.0 ? kCloset : kRoom, "standing");
   drive.noise_sd_m = 0.0;
   return drive;
 }
@@ -38,7 +40,8 @@ WorldDrive standing_robot() {
 class LrfContract : public ::testing::TestWithParam<test::TestedLaser> {
  protected:
   LrfContract() : LrfContract(GetParam().params()) {}
-  explicit LrfContract(const LrfParams& params) : bench_(GetParam().model, {}, params, standing_robot()) {}
+  explicit LrfContract(const LrfParams& params)
+      : bench_(GetParam().model, {}, params, standing_robot(GetParam().sees_to_m)) {}
 
   void bring_up() {
     bench_.reset();

@@ -32,14 +32,14 @@ TEST(LrfModels, DescribeLasersThatCanExist) {
   ASSERT_FALSE(lrf_models().empty());
   for (const LrfModel& model : lrf_models()) {
     SCOPED_TRACE(model.name);
-    EXPECT_GT(model.field_of_view_deg, 90.0);
+    EXPECT_GE(model.field_of_view_deg, 70.0);
     EXPECT_LE(model.field_of_view_deg, 360.0);
     const double step_deg = model.field_of_view_deg / model.beams;
-    EXPECT_GT(step_deg, 0.1);
+    EXPECT_GT(step_deg, 0.08);
     EXPECT_LT(step_deg, 1.5);
     EXPECT_GE(model.rate_hz, 1.0);
     EXPECT_LE(model.rate_hz, 100.0);
-    EXPECT_GT(model.range_sd_m, 0.001);
+    EXPECT_GE(model.range_sd_m, 0.001);
     EXPECT_LT(model.range_sd_m, 0.01 * model.range_max_m);
   }
 }

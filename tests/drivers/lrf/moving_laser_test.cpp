@@ -27,15 +27,19 @@ constexpr std::int64_t kOnTheCircleNs = 2 * kSecond;
 constexpr double kRangeErrorMaxM = 0.03;
 constexpr double kMostOfThem = 0.9;  ///< all but those at edges, where a beam may see either surface
 
-/// On a circle of 1 m at 2 m/s, so that it turns at 115 deg/s; each beam is measured at its own time.
-WorldDrive circling_robot() {
+/// On a circle of 1 m at 2 m/s, so that it turns at 115 deg/s; each beam is measured at its own time. A laser that sees
+/// less far has all of it smaller.
+WorldDrive circling_robot(double sees_to_m) {
   constexpr int kLaps = 10;
-  std::string text = "room 0 0  8 6\nbox 6 4.8  1 0.6\nspeed 2\nturn_rate 360\ncorner_radius 1\ngo";
+  const double scale = std::min(sees_to_m / 6.0, 1.0);
+  std::string text = fmt::format("room 0 0  {:.4f} {:.4f}\nbox {:.4f} {:.4f}  {:.4f} {:.4f}\n", 8 * scale, 6 * scale,
+                                 6 * scale, 4.8 * scale, scale, 0.6 * scale);
+  text += fmt::format("speed {:.4f}\nturn_rate 360\ncorner_radius {:.4f}\ngo", 2 * scale, scale);
   for (int corner = 0; corner < 8 * kLaps; ++corner) {  // of an octagon, rounded to a circle
     const double angle_rad = corner * std::numbers::pi / 4.0;
     const double to_corner_m = 1.0 / std::cos(std::numbers::pi / 8.0);
-    text += fmt::format("  {:.4f} {:.4f}", 4.0 + to_corner_m * std::cos(angle_rad),
-                        3.0 + to_corner_m * std::sin(angle_rad));
+    text += fmt::format("  {:.4f} {:.4f}", scale * (4.0 + to_corner_m * std::cos(angle_rad)),
+                        scale * (3.0 + to_corner_m * std::sin(angle_rad)));
   }
   WorldDrive drive;
   drive.world = parse_world(text + "\n", "circling");
@@ -46,7 +50,7 @@ WorldDrive circling_robot() {
 
 class MovingLaser : public ::testing::TestWithParam<test::TestedLaser> {
  protected:
-  MovingLaser() : bench_(GetParam().model, {}, GetParam().params(), circling_robot()) {}
+  MovingLaser() : bench_(GetParam().model, {}, GetParam().params(), circling_robot(GetParam().sees_to_m)) {}
 
   void bring_up() {
     bench_.reset();

@@ -19,7 +19,9 @@ struct TestedLaser {
   SickVariant sick_variant = SickVariant::k180ByHalf;
   LrfRanging ydlidar_ranging = LrfRanging::kTriangle;
   SopasScan sopas_scan = SopasScan::kAsSet;
-  bool has_sums = true;  ///< its protocol: what is damaged can be told
+  int skip = 0;
+  double sees_to_m = 8.0;  ///< what it is to see has to be nearer
+  bool has_sums = true;    ///< its protocol: what is damaged can be told
 
   [[nodiscard]] LrfParams params() const {
     LrfParams params;
@@ -29,6 +31,7 @@ struct TestedLaser {
     params.sick_variant = sick_variant;
     params.ydlidar_ranging = ydlidar_ranging;
     params.sopas_scan = sopas_scan;
+    params.skip = skip;
     return params;
   }
   friend void PrintTo(const TestedLaser& laser, std::ostream* out) { *out << laser.name; }
@@ -38,6 +41,7 @@ struct TestedLaser {
 inline constexpr TestedLaser kTestedLasers[] = {
     {.name = "scip_urg", .model = "urg-04lx", .driver = LrfDriver::kScip},
     {.name = "scip_utm", .model = "utm-30lx", .driver = LrfDriver::kScip},
+    {.name = "scip_echoes", .model = "utm-30lx-ew", .driver = LrfDriver::kScip},
     {.name = "sick", .model = "lms200", .driver = LrfDriver::kSick, .baud = 38400},
     {.name = "sick_degree",
      .model = "lms200",
@@ -82,6 +86,7 @@ inline constexpr TestedLaser kTestedLasers[] = {
      .has_sums = false},
     {.name = "sopas_tim551", .model = "tim551", .driver = LrfDriver::kSopas, .has_sums = false},
     {.name = "sopas_binary", .model = "tim571", .driver = LrfDriver::kSopas},
+    {.name = "sopas_lms4xxx", .model = "lms4124", .driver = LrfDriver::kSopas, .skip = 9, .sees_to_m = 3.0},
     {.name = "csv", .model = "csv", .driver = LrfDriver::kCsv, .has_sums = false},
 };
 

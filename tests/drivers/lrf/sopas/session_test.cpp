@@ -56,7 +56,7 @@ TEST_P(SopasModelTest, ComesToTheStreamFromEveryState) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, SopasModelTest, ::testing::Values("lms111", "tim551", "tim571"));
+INSTANTIATE_TEST_SUITE_P(Models, SopasModelTest, ::testing::Values("lms111", "tim551", "tim571", "lms4124"));
 
 TEST(SopasSession, SetsAnLms111ToItsFinerStep) {
   Bench bench("lms111", {}, sopas_params(SopasScan::k25HzByQuarter), quiet_drive());
@@ -121,6 +121,42 @@ TEST(SopasSession, SaysWhatHasTooManyBeams) {
   EXPECT_FALSE(session->ready());
   ASSERT_FALSE(heard.events.empty());
   EXPECT_EQ(heard.events.front().reason, Errc::kTooManyBeams);
+}
+
+// 600 scans a second are more than anyone needs of it.
+TEST(SopasSession, AsksAnLms4124ForEveryTenthScan) {
+  LrfParams params = sopas_params();
+  params.skip = 9;
+  Bench bench("lms4124", {}, params, quiet_drive());
+  bench.reset();
+  bench.run(4 * kSecond);
+  ASSERT_TRUE(bench.session().ready());
+  const LrfGeometry& geometry = bench.session().geometry();
+  EXPECT_EQ(geometry.beams, 841);
+  EXPECT_NEAR(geometry.start_angle_rad, -35.0 * M_PI / 180.0, 1e-6);
+  EXPECT_NEAR(geometry.angle_step_rad, M_PI / 180.0 / 12.0, 1e-8);
+  EXPECT_NEAR(geometry.range_max_m, 6.55, 0.01) << "it counts tenths of a millimetre";
+  EXPECT_NEAR(static_cast<double>(geometry.period_ns), 1e9 / 60.0, 1000.0);
+  const std::size_t before = bench.heard().scans.size();
+  bench.run(kSecond);
+  EXPECT_NEAR(static_cast<double>(bench.heard().scans.size() - before), 60.0, 2.0);
+  EXPECT_NEAR(static_cast<double>(bench.heard().scans.back().beam_period_ns), 1e9 / 864'000.0, 1.0)
+      << "its mirror's three faces see 120 deg each in the time of a scan";
+}
+
+TEST(SopasSession, SaysWhereADeviceRefusesToLeaveScansOut) {
+  LrfParams params = sopas_params();
+  params.skip = 1;
+  Bench bench("lms111", {}, params, quiet_drive());
+  bench.on_the_way = [](std::string& bytes) {
+    bytes = bytes == "\x02sWA LMDscandatacfg\x03" ? "\x02sFA A\x03" : bytes;
+  };
+  bench.reset();
+  bench.run(4 * kSecond);
+  ASSERT_TRUE(bench.session().ready());
+  ASSERT_EQ(bench.heard().count(LrfEventType::kDeviceError), 1);
+  EXPECT_EQ(bench.heard().events.front().device_status, 10) << "writing is denied";
+  EXPECT_EQ(bench.session().geometry().period_ns, 20 * kMs) << "every scan comes";
 }
 
 std::string answer_of(const char* model, const std::string& request) {

@@ -142,7 +142,7 @@ TEST(SopasScanData, SaysAllThatTheTelegramDoes) {
   EXPECT_EQ(scan.telegram_counter, 0x5932);
   EXPECT_EQ(scan.scan_counter, 0x5933);
   EXPECT_EQ(scan.sending_us - scan.stamp_us, 0x108FU);
-  EXPECT_DOUBLE_EQ(scan.turns_hz, 15.0);
+  EXPECT_DOUBLE_EQ(scan.scans_hz, 15.0);
   EXPECT_DOUBLE_EQ(scan.measurements_khz, 5.4);
   EXPECT_EQ(scan.encoders, 1);
   EXPECT_EQ(scan.channels, 3);
