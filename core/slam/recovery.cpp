@@ -7,7 +7,7 @@
 namespace odoless {
 namespace {
 
-constexpr double kSuspect = 0.05;  // probability of a jump from which on another place is looked for
+constexpr double kSuspect = 0.05;  // probability of a wrong pose from which on another place is looked for
 constexpr double kAmbiguous =
     0.7;  // weight of a motion against its alternatives below which it is taken for one of them
 constexpr double kKnown_min = 0.2;  // share of beams below which a fit in what is known tells little
@@ -82,12 +82,16 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
 Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   static_cast<void>(fit_.load(tracked.scan));
   last_fit_ = fit_of(slam.low(), tracked.update_T_scan);
+  // What was mapped in doubt is no witness of the pose that it was mapped from.
+  const Fit witness = suspected_ && relocaliser_.has_map()
+                          ? relocaliser_.fit(slam, tracked.scan, slam.map_T_scan() * tracked.update_T_scan)
+                          : last_fit_;
   const double span_s = span_.next_s(tracked.scan.stamp_ns());
   if (!unconfirmed_) {
     const Motion& motion = tracked.motion;
     confidence_.move(motion.probability, motion.previous_T_current.distance_m({}), motion.duration_s());
     const double usual = usual_fit_.value();
-    confidence_.observe(usual > 0.0 ? last_fit_.in_known / usual : 1.0, last_fit_.known_share, span_s,
+    confidence_.observe(usual > 0.0 ? witness.in_known / usual : 1.0, witness.known_share, span_s,
                         seen_anew(motion, span_s));
   }
   if (state() == Tracking::kSure && last_fit_.known_share > kKnown_min) {
@@ -104,11 +108,11 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   if (can_be_lost && confidence_.jumped() >= params_.tracking.lost_probability) {
     lose();
   }
-  return may_be_mapped() ? Advice::kGoOn : Advice::kHold;
+  return may_be_mapped() && (!suspected_ || relocaliser_.has_map()) ? Advice::kGoOn : Advice::kHold;
 }
 
 bool Recovery::is_suspect(const Motion& motion) const {
-  return motion.has(kJolted) || motion.weight() < kAmbiguous || confidence_.jumped() >= kSuspect;
+  return motion.has(kJolted) || motion.weight() < kAmbiguous || confidence_.right() <= 1.0 - kSuspect;
 }
 
 void Recovery::verify(Slam& slam, const TrackedScan& tracked) {
@@ -175,6 +179,7 @@ void Recovery::find_at(Slam& slam, const Pose2& map_T_scan) {
   slam.set_pose(map_T_scan, {params_.search.spread_m, params_.search.spread_rad});
   trust();
   confidence_.find();
+  suspected_ = true;  // until what was mapped before it was lost confirms it further on
 }
 
 bool Recovery::has_waited_enough(const TrackedScan& tracked) {
