@@ -7,7 +7,7 @@
 namespace odoless {
 namespace {
 
-constexpr double kSuspect = 0.05;  // probability of a wrong pose from which on another place is looked for
+constexpr double kSuspect = 0.05;  // probability of a jump from which on another place is looked for
 constexpr double kAmbiguous =
     0.7;  // weight of a motion against its alternatives below which it is taken for one of them
 constexpr double kKnown_min = 0.2;  // share of beams below which a fit in what is known tells little
@@ -82,7 +82,7 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
 Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   static_cast<void>(fit_.load(tracked.scan));
   last_fit_ = fit_of(slam.low(), tracked.update_T_scan);
-  // What was mapped in doubt is no witness of the pose that it was mapped from.
+  // What was mapped in doubt is no witness for the pose that it was mapped from; against it, it is.
   const Fit witness = suspected_ && relocaliser_.has_map()
                           ? relocaliser_.fit(slam, tracked.scan, slam.map_T_scan() * tracked.update_T_scan)
                           : last_fit_;
@@ -91,7 +91,11 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
     const Motion& motion = tracked.motion;
     confidence_.move(motion.probability, motion.previous_T_current.distance_m({}), motion.duration_s());
     const double usual = usual_fit_.value();
-    confidence_.observe(usual > 0.0 ? witness.in_known / usual : 1.0, witness.known_share, span_s,
+    const double least = params_.confidence.against_fit * usual;  // says nothing
+    const bool speaks_against = last_fit_.in_known < least;
+    const double in_known = speaks_against ? last_fit_.in_known : std::max(least, witness.in_known);
+    confidence_.observe(usual > 0.0 ? in_known / usual : 1.0,
+                        speaks_against ? last_fit_.known_share : witness.known_share, span_s,
                         seen_anew(motion, span_s));
   }
   if (state() == Tracking::kSure && last_fit_.known_share > kKnown_min) {
@@ -112,18 +116,14 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
 }
 
 bool Recovery::is_suspect(const Motion& motion) const {
-  return motion.has(kJolted) || motion.weight() < kAmbiguous || confidence_.right() <= 1.0 - kSuspect;
+  return motion.has(kJolted) || motion.weight() < kAmbiguous || confidence_.jumped() >= kSuspect;
 }
 
 void Recovery::verify(Slam& slam, const TrackedScan& tracked) {
   const Pose2 believed_map_T_scan = slam.map_T_scan() * tracked.update_T_scan;
   const std::optional<Pose2> map_T_scan = relocaliser_.process(slam, tracked.scan, believed_map_T_scan);
-  if (!map_T_scan) {
-    return;
-  }
-  if (clearly_apart(to_search_point(*map_T_scan), to_search_point(believed_map_T_scan))) {
-    confidence_.contradict();
-  } else {
+  // Another place that alone fits says little: the map of before may lack the right one. Scans will tell.
+  if (map_T_scan && !clearly_apart(to_search_point(*map_T_scan), to_search_point(believed_map_T_scan))) {
     suspected_ = false;
     confidence_.confirm();
   }

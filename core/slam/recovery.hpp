@@ -32,9 +32,9 @@ enum class Advice : std::uint8_t {
 
 /// The filter's self-diagnosis, and its way back when it is lost. While the robot is lost nothing may be mapped.
 ///
-/// Once the pose is in doubt, whatever the reason, only the map of before (EarlierMap) is evidence: a robot that goes
-/// on mapping from a wrong pose agrees with its own map for ever. The doubt ends when that map shows that no other
-/// place fits as well; a robot that was found is in doubt until then, too.
+/// Once a step may have been wrong, or the robot was found, its pose is in doubt: then only the map of before
+/// (EarlierMap) is evidence: a robot that goes on mapping from a wrong pose agrees with its own map for ever. The doubt
+/// ends when that map shows that no other place fits as well; a robot that was found is in doubt until then, too.
 ///
 /// It draws nothing and changes nothing of the filter unless the robot is lost: without that, results are those of a
 /// filter without it, bit for bit, but for scans that are held.
