@@ -22,12 +22,6 @@ void PoseConfidence::confirm() {
   normalise();
 }
 
-void PoseConfidence::contradict() {
-  right_ *= math::exp(-params_.elsewhere);
-  drifted_ *= math::exp(-params_.elsewhere);
-  normalise();
-}
-
 void PoseConfidence::lose_track() {
   right_ = 0.5;
   drifted_ = 0.5;
