@@ -20,7 +20,7 @@ std::string kept(const std::filesystem::path& folder, const DaemonParams& params
   std::filesystem::create_directories(folder);
   GraphFeed graph(params.robot, 1, false);
   WorldKeeper keeper(params.world, {}, params.robot.graph.keyframes_max);
-  if (const FileFailure failed = keeper.open(); failed.any()) {
+  if (const FileFailure failed = keeper.open(graph); failed.any()) {
     return failed.text;
   }
   EXPECT_EQ(keeper.start(graph), 0);
