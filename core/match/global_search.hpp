@@ -87,11 +87,6 @@ class GlobalSearch {
   /// What it found: candidates with their score on the fine raster, at most 1 per point.
   [[nodiscard]] std::span<const ScoredPoint> found() const { return found_.poses(); }
 
-  /// What the map had at a point when it was read.
-  [[nodiscard]] ScoreRaster::Filled read(const Point2& p_map) const {
-    return fine_.filled({p_map.x_m - p_map_centre_.x_m, p_map.y_m - p_map_centre_.y_m});
-  }
-
   /// The scan's points as the search thins them, to be climbed with.
   void load(const ScanFrame& scan, PointSet& points) const;
   /// Climbs the fine raster near `start`.

@@ -176,19 +176,12 @@ void ScoreRaster::mark_free(const Point2& p_reference, double penalty) {
   }
 }
 
-std::int16_t ScoreRaster::pixel(const Point2& p_reference) const {
+bool ScoreRaster::is_free(const Point2& p_reference) const {
   const Point2 p_px = in_pixels(p_reference);
-  const bool is_inside = p_px.x_m >= 1.0 && p_px.y_m >= 1.0 && p_px.x_m < side_px_ - 1 && p_px.y_m < side_px_ - 1;
-  return is_inside ? pixels_[static_cast<std::size_t>(p_px.y_m) * static_cast<std::size_t>(side_px_) +
-                             static_cast<std::size_t>(p_px.x_m)]
-                   : std::int16_t{0};
-}
-
-bool ScoreRaster::is_free(const Point2& p_reference) const { return (pixel(p_reference) & kFreeBit) != 0; }
-
-ScoreRaster::Filled ScoreRaster::filled(const Point2& p_reference) const {
-  const std::int16_t value = pixel(p_reference);
-  return value > kFreeBit ? Filled::kWall : (value & kFreeBit) != 0 ? Filled::kFree : Filled::kNot;
+  return p_px.x_m >= 1.0 && p_px.y_m >= 1.0 && p_px.x_m < side_px_ - 1 && p_px.y_m < side_px_ - 1 &&
+         (pixels_[static_cast<std::size_t>(p_px.y_m) * static_cast<std::size_t>(side_px_) +
+                  static_cast<std::size_t>(p_px.x_m)] &
+          kFreeBit) != 0;
 }
 
 void ScoreRaster::mark_free(const ScanFrame& scan, const Pose2& reference_T_scan, double margin_m, double penalty) {

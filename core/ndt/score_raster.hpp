@@ -58,9 +58,6 @@ class ScoreRaster {
   void mark_free(const Point2& p_reference, double penalty);
   /// Whether the pixel at a point was marked as free.
   [[nodiscard]] bool is_free(const Point2& p_reference) const;
-  /// What the pixel at a point was filled with: nothing, free space, or a wall nearby.
-  enum class Filled : std::uint8_t { kNot, kFree, kWall };
-  [[nodiscard]] Filled filled(const Point2& p_reference) const;
 
   /// Sum over the points (x_m[i], y_m[i]), moved by `reference_T_points`, in units of a perfect point.
   /// The spans have one size.
@@ -81,8 +78,6 @@ class ScoreRaster {
     double radius_m;
   };
 
-  /// Value at a point; 0 outside.
-  [[nodiscard]] std::int16_t pixel(const Point2& p_reference) const;
   /// Of a point, in pixels from the lower-left corner.
   [[nodiscard]] Point2 in_pixels(const Point2& p_reference) const {
     return {p_reference.x_m * inverse_resolution_ + 0.5 * side_px_,

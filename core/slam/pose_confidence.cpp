@@ -22,6 +22,12 @@ void PoseConfidence::confirm() {
   normalise();
 }
 
+void PoseConfidence::contradict() {
+  right_ *= math::exp(-params_.elsewhere);
+  drifted_ *= math::exp(-params_.elsewhere);
+  normalise();
+}
+
 void PoseConfidence::lose_track() {
   right_ = 0.5;
   drifted_ = 0.5;

@@ -13,6 +13,7 @@ struct ConfidenceParams {
   double evidence_per_fit = 5.0;
   double for_max = 0.25;
   double against_max = 1.0;
+  double elsewhere = 3.0;
   double nowhere_else = 1.0;
   double evidence_period_s = 0.2;
   double found_probability = 0.5;
@@ -32,6 +33,8 @@ struct ConfidenceParams {
     visit.value("for_max", self.for_max, Range{0.0, 10.0},
                 "Largest evidence of one scan for the pose; the evidence of successive scans is correlated.");
     visit.value("against_max", self.against_max, Range{0.0, 10.0}, "Largest evidence of one scan against the pose.");
+    visit.value("elsewhere", self.elsewhere, Range{0.0, 20.0},
+                "Evidence against the pose where global localisation finds another pose, and only that one.");
     visit.value("nowhere_else", self.nowhere_else, Range{0.0, 20.0},
                 "Evidence for the pose where global localisation finds no other pose; small, because the map may lack "
                 "the right place.");
@@ -58,6 +61,8 @@ class PoseConfidence {
   void find();
   /// The whole map was searched, and no other pose fits.
   void confirm();
+  /// The whole map was searched, and another pose alone fits.
+  void contradict();
   /// Nothing of the map will confirm the pose.
   void lose_track();
 

@@ -82,20 +82,12 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
 Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   static_cast<void>(fit_.load(tracked.scan));
   last_fit_ = fit_of(slam.low(), tracked.update_T_scan);
-  // What was mapped in doubt is no witness for the pose that it was mapped from; against it, it is.
-  const Fit witness = suspected_ && relocaliser_.has_map()
-                          ? relocaliser_.fit(slam, tracked.scan, slam.map_T_scan() * tracked.update_T_scan)
-                          : last_fit_;
   const double span_s = span_.next_s(tracked.scan.stamp_ns());
   if (!unconfirmed_) {
     const Motion& motion = tracked.motion;
     confidence_.move(motion.probability, motion.previous_T_current.distance_m({}), motion.duration_s());
     const double usual = usual_fit_.value();
-    const double least = params_.confidence.against_fit * usual;  // says nothing
-    const bool speaks_against = last_fit_.in_known < least;
-    const double in_known = speaks_against ? last_fit_.in_known : std::max(least, witness.in_known);
-    confidence_.observe(usual > 0.0 ? in_known / usual : 1.0,
-                        speaks_against ? last_fit_.known_share : witness.known_share, span_s,
+    confidence_.observe(usual > 0.0 ? last_fit_.in_known / usual : 1.0, last_fit_.known_share, span_s,
                         seen_anew(motion, span_s));
   }
   if (state() == Tracking::kSure && last_fit_.known_share > kKnown_min) {
@@ -112,7 +104,7 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   if (can_be_lost && confidence_.jumped() >= params_.tracking.lost_probability) {
     lose();
   }
-  return may_be_mapped() && (!suspected_ || relocaliser_.has_map()) ? Advice::kGoOn : Advice::kHold;
+  return may_be_mapped() ? Advice::kGoOn : Advice::kHold;
 }
 
 bool Recovery::is_suspect(const Motion& motion) const {
@@ -122,8 +114,12 @@ bool Recovery::is_suspect(const Motion& motion) const {
 void Recovery::verify(Slam& slam, const TrackedScan& tracked) {
   const Pose2 believed_map_T_scan = slam.map_T_scan() * tracked.update_T_scan;
   const std::optional<Pose2> map_T_scan = relocaliser_.process(slam, tracked.scan, believed_map_T_scan);
-  // Another place that alone fits says little: the map of before may lack the right one. Scans will tell.
-  if (map_T_scan && !clearly_apart(to_search_point(*map_T_scan), to_search_point(believed_map_T_scan))) {
+  if (!map_T_scan) {
+    return;
+  }
+  if (clearly_apart(to_search_point(*map_T_scan), to_search_point(believed_map_T_scan))) {
+    confidence_.contradict();
+  } else {
     suspected_ = false;
     confidence_.confirm();
   }
@@ -179,7 +175,6 @@ void Recovery::find_at(Slam& slam, const Pose2& map_T_scan) {
   slam.set_pose(map_T_scan, {params_.search.spread_m, params_.search.spread_rad});
   trust();
   confidence_.find();
-  suspected_ = true;  // until what was mapped before it was lost confirms it further on
 }
 
 bool Recovery::has_waited_enough(const TrackedScan& tracked) {

@@ -32,10 +32,6 @@ enum class Advice : std::uint8_t {
 
 /// The filter's self-diagnosis, and its way back when it is lost. While the robot is lost nothing may be mapped.
 ///
-/// Once a step may have been wrong, or the robot was found, its pose is in doubt: then only the map of before
-/// (EarlierMap) is evidence: a robot that goes on mapping from a wrong pose agrees with its own map for ever. The doubt
-/// ends when that map shows that no other place fits as well; a robot that was found is in doubt until then, too.
-///
 /// It draws nothing and changes nothing of the filter unless the robot is lost: without that, results are those of a
 /// filter without it, bit for bit, but for scans that are held.
 ///
@@ -92,7 +88,7 @@ class Recovery {
   double matched_s_ = 0.0;  ///< lost, and every scan has matched the ones before
   int updates_ = 0;
   bool lost_ = false;
-  bool suspected_ = false;    ///< in doubt: the map of before has not yet shown that no other place fits
+  bool suspected_ = false;    ///< a step may have been wrong, and the map has not yet shown that no other place fits
   bool unconfirmed_ = false;  ///< it was lost, and went on without being found
   bool settled_ = false;      ///< lost, and the filter's work is done: the map stays as it is
 };

@@ -49,6 +49,7 @@ struct RelocaliserParams {
   double found_fit = 0.6;
   double rival_ratio = 0.85;
   double found_after_s = 2.0;
+  double give_up_after_s = 4.0;
   double resume_after_s = 20.0;
   double spread_m = 0.05;
   double spread_rad = 0.015;
@@ -62,9 +63,11 @@ struct RelocaliserParams {
                 "Least mean fit of a candidate that is accepted as the robot's pose.");
     visit.value("rival_ratio", self.rival_ratio, Range{0.0, 1.0},
                 "Fit of a second candidate, as a share of the best, above which the place is ambiguous and tracking "
-                "stays lost; what the map lacks there counts as fitting.");
+                "stays lost.");
     visit.value("found_after_s", self.found_after_s, Range{0.0, 60.0},
                 "Time for which candidates are followed before one is accepted.");
+    visit.value("give_up_after_s", self.give_up_after_s, Range{0.1, 600.0},
+                "Time after which an ambiguous search is repeated.");
     visit.value("resume_after_s", self.resume_after_s, Range{0.0, 1e6},
                 "Time of good matches after which a robot that could not be relocalised continues from laser odometry, "
                 "in state DEGRADED until it is relocalised or its pose is set; 0: never.");

@@ -8,13 +8,7 @@ namespace {
 constexpr int kClimb_steps = 40;  // from scan to scan, after the odometry's motion
 constexpr int kReturns_min = 30;
 constexpr int kTrial_scans_min = 5;
-constexpr double kRival_known = 0.3;  // share of beams that the map says anything of, for a pose to be a rival
-
-// What lies between the robot and what the map knows is no part of the question.
-BeamModelParams ends_of(BeamModelParams beam) {
-  beam.unknown_rho_m = 1000.0;
-  return beam;
-}
+constexpr double kRival_known = 0.5;  // share of beams that the map says anything of, for a pose to be a rival
 
 /// The map that the filter would write, whichever level's it is.
 class SlamSquares final : public MapSquares {
@@ -34,8 +28,6 @@ class SlamSquares final : public MapSquares {
 Relocaliser::Relocaliser(const RelocaliserParams& params, double fit_sigma_m, const ScanParams& scan, const Slam& slam)
     : params_(params),
       fit_(slam.params().low.beam, fit_sigma_m, slam.map_geometry().resolution_m, slam.params().low.beams_used),
-      end_fit_(ends_of(slam.params().low.beam), fit_sigma_m, slam.map_geometry().resolution_m,
-               slam.params().low.beams_used),
       search_(params.global, slam.map_geometry(), scan.beams_max),
       points_(scan.beams_max),
       trial_(static_cast<std::size_t>(params.global.candidates) + 1) {
@@ -79,14 +71,9 @@ std::optional<Pose2> Relocaliser::process(Slam& slam, const ScanFrame& scan,
   return std::nullopt;
 }
 
-Fit Relocaliser::fit(Slam& slam, const ScanFrame& scan, const Pose2& map_T_scan) {
-  static_cast<void>(end_fit_.load(scan));
-  return end_fit_.in_full(map(slam), slam.map_geometry(), map_T_scan);
-}
-
 std::size_t Relocaliser::memory_bytes() const {
-  return sizeof(*this) + fit_.memory_bytes() + end_fit_.memory_bytes() + search_.memory_bytes() +
-         trial_.capacity() * sizeof(Candidate) + 2 * sizeof(float) * static_cast<std::size_t>(points_.capacity());
+  return sizeof(*this) + fit_.memory_bytes() + search_.memory_bytes() + trial_.capacity() * sizeof(Candidate) +
+         2 * sizeof(float) * static_cast<std::size_t>(points_.capacity());
 }
 
 void Relocaliser::start_trial(const std::optional<Pose2>& believed_map_T_scan) {
@@ -106,7 +93,7 @@ void Relocaliser::try_scan(Slam& slam, const ScanFrame& scan) {
   static_cast<void>(fit_.load(scan));
   for (Candidate& candidate : candidates_on_trial()) {
     candidate.map_T_scan = to_pose(search_.climb(points_, to_search_point(candidate.map_T_scan), kClimb_steps).point);
-    const Fit fit = fit_.in_full(map(slam), slam.map_geometry(), candidate.map_T_scan);
+    const Fit fit = fit_.in_full(slam.map_view(), slam.map_geometry(), candidate.map_T_scan);
     candidate.fit_sum += fit.mean;
     candidate.known_sum += fit.known_share;
     candidate.in_known_sum += fit.in_known;
@@ -136,9 +123,8 @@ bool Relocaliser::has_rival() const {
   const Candidate& best = trial_.front();
   return std::any_of(trial_.begin() + 1, trial_.begin() + static_cast<std::ptrdiff_t>(trial_count_),
                      [&](const Candidate& other) {
-                       const double known = other.known_sum / trial_scans_;
-                       const double contradicted = known * (1.0 - other.in_known_sum / best.in_known_sum);
-                       return known > kRival_known && contradicted < 1.0 - params_.rival_ratio;
+                       return other.known_sum > kRival_known * trial_scans_ &&
+                              other.in_known_sum > params_.rival_ratio * best.in_known_sum;
                      });
 }
 
@@ -149,8 +135,8 @@ std::optional<Pose2> Relocaliser::verdict() {
   const Candidate best = trial_.front();
   const bool has_rival = this->has_rival();
   const bool fits = best.fit_sum >= fit_min_ * trial_scans_;
-  if (fits && has_rival) {
-    return std::nullopt;  // only what comes may tell them apart: to begin anew would forget that there were two
+  if (fits && has_rival && trial_s_ < params_.give_up_after_s) {
+    return std::nullopt;  // what comes may tell them apart
   }
   trial_count_ = 0;  // else all over again, with this scan
   return fits && !has_rival ? std::optional(best.map_T_scan) : std::nullopt;

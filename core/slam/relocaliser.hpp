@@ -6,7 +6,6 @@
 
 #include "core/base/scan_span.hpp"
 #include "core/match/global_search.hpp"
-#include "core/slam/earlier_map.hpp"
 #include "core/slam/recovery_params.hpp"
 #include "core/slam/scan_fit.hpp"
 #include "core/slam/slam.hpp"
@@ -34,11 +33,6 @@ class Relocaliser {
   [[nodiscard]] std::optional<Pose2> process(Slam& slam, const ScanFrame& scan,
                                              const std::optional<Pose2>& believed_map_T_scan);
 
-  /// Whether the map of when it began has been read: until then nothing may be mapped.
-  [[nodiscard]] bool has_map() const { return search_.has_map(); }
-  /// How a scan lies in that map.
-  [[nodiscard]] Fit fit(Slam& slam, const ScanFrame& scan, const Pose2& map_T_scan);
-
   /// The candidates that are on trial.
   [[nodiscard]] int candidates() const { return static_cast<int>(trial_count_); }
   [[nodiscard]] std::size_t memory_bytes() const;
@@ -51,7 +45,6 @@ class Relocaliser {
     double in_known_sum = 0.0;  ///< of the fits of these
   };
 
-  [[nodiscard]] EarlierMap map(Slam& slam) const { return {slam.map_view(), slam.map_geometry(), search_}; }
   void start_trial(const std::optional<Pose2>& believed_map_T_scan);
   void try_scan(Slam& slam, const ScanFrame& scan);
   void drop_doubles();
@@ -62,7 +55,6 @@ class Relocaliser {
 
   RelocaliserParams params_;
   ScanFit fit_;
-  ScanFit end_fit_;  ///< of what ends in the known, however much unknown lies before it
   GlobalSearch search_;
   PointSet points_;
   std::vector<Candidate> trial_;

@@ -200,21 +200,6 @@ TEST(CampaignRun, SaysThatScansAreMissingWhileTheyAre) {
   EXPECT_EQ(run.verdict.all_scans(), 30);  // 40 less the 10 that are missing
 }
 
-// Runs that were OK and wrong for 5 to 19 s, each for a reason of its own.
-TEST(CampaignRun, ADoubtIsOnlyEndedByTheMapOfBefore) {
-  struct Case {
-    std::uint64_t seed;
-    int index;
-    const char* what;
-  };
-  for (const Case& each : {Case{1, 23, "a wrong step agrees with the copy of the world that is mapped from it"},
-                           Case{1, 42, "the map has a twin of the place, and but a part of the place itself"},
-                           Case{2, 17, "one far step turns the diagnosis off"}}) {
-    const RunResult run = play(draw_scenario(each.seed, each.index));
-    EXPECT_FALSE(run.verdict.failed_silently()) << each.what << ": OK and wrong for " << run.verdict.silent_s << " s";
-  }
-}
-
 /// The error that a trace has at that time, as it is written there.
 double error_m_at(const Trace& trace, const std::string& time_s) {
   std::istringstream lines(trace.text);

@@ -83,6 +83,13 @@ TEST(PoseConfidence, CountsScansByTheirTime) {
   EXPECT_NEAR(slow.right(), fast.right(), 1e-9);
 }
 
+TEST(PoseConfidence, AnotherPlaceThatAloneFitsSpeaksAgainstIt) {
+  PoseConfidence confidence{{}};
+  confidence.move(0.8, 0.0, 0.0);
+  confidence.contradict();
+  EXPECT_GT(confidence.jumped(), 0.8);
+}
+
 TEST(PoseConfidence, IsAlwaysAProbability) {
   PoseConfidence confidence{{}};
   for (int i = 0; i < 1000; ++i) {
