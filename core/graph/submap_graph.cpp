@@ -70,6 +70,10 @@ bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
                          keyframe.odom_T_scan);
     }
     localiser_->add(store_, index);
+    if (!is_in_world() && store_.size() - first_keyframe_ > anchor_keyframes_) {
+      anchor_ = static_cast<int>(first_submap_);
+      ++revision_;
+    }
   }
   return has_work();
 }
@@ -98,16 +102,13 @@ bool SubmapGraph::resume(const SubmapWorld& world) {
   anchor_ = world.anchor;
   revisited_ = static_cast<int>(first_submap_);
   ++revision_;
+  for (std::size_t i = 0; i < submaps_.size(); ++i) {
+    anchor_keyframes_ += world.has(static_cast<int>(i)) ? submaps_[i].keyframes : 0;
+  }
   if (!submaps_.empty()) {
     localiser_.emplace(params_, scan_);
   }
   return true;
-}
-
-void SubmapGraph::expect(const Pose2& map_T_scan) {
-  if (localiser_) {
-    expected_ = {anchor_, graph_.pose(anchor_).inverse() * map_T_scan};
-  }
 }
 
 void SubmapGraph::localise() {
@@ -141,8 +142,9 @@ void SubmapGraph::join(const PieceMatch& match) {
   }
   const Pose2 keyframe_T_submap = store_.submap_T_scan(match.keyframe).inverse();
   const Pose2 reference_T_submap = match.reference_T_keyframe * keyframe_T_submap;
-  graph_.move(graph_.component(*submap),
-              graph_.pose(match.reference) * reference_T_submap * graph_.pose(*submap).inverse());
+  const Pose2 old_T_new = graph_.pose(match.reference) * reference_T_submap * graph_.pose(*submap).inverse();
+  graph_.move(graph_.component(is_in_world() ? match.reference : *submap),
+              is_in_world() ? old_T_new.inverse() : old_T_new);
   graph_.add({.from = match.reference,
               .to = *submap,
               .from_T_to = reference_T_submap,
@@ -370,13 +372,6 @@ void SubmapGraph::finish() {
   }
   static_cast<void>(solver_.solve(graph_, kIterations));  // of the map itself, which the filter's drift is not part of
   ++revision_;
-}
-
-double SubmapGraph::used() const {
-  const auto share = [](std::size_t size, int most) { return static_cast<double>(size) / most; };
-  return std::max({share(submaps_.size(), params_.submaps_max),
-                   share(graph_.constraints().size(), params_.constraints_max),
-                   share(static_cast<std::size_t>(store_.size()), params_.keyframes_max)});
 }
 
 Pose2 SubmapGraph::map_T_odom() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -49,12 +50,18 @@ class SubmapGraph {
   /// constraints, keyframes, and beams of each.
   [[nodiscard]] bool resume(const SubmapWorld& world);
   /// While it is not known where the path lies in that world: where the robot may be by now, or was last.
-  void expect(const Pose2& map_T_scan);
+  void expect(const Pose2& map_T_scan) {
+    if (!is_in_world()) {
+      expected_ = {anchor_, graph_.pose(anchor_).inverse() * map_T_scan};
+    }
+  }
   void expect(const PlaceBySubmap& place) { expected_ = place; }
-  /// Whether it is known where the newest submap lies in the world.
-  [[nodiscard]] bool is_in_world() const { return !localiser_; }
+  /// Whether this run's submaps are joined to those of before, if there are any.
+  [[nodiscard]] bool is_joined() const { return !localiser_; }
+  /// Whether the map is of where the robot is: they are joined, or this run's own are the largest part of the world.
+  [[nodiscard]] bool is_in_world() const { return is_joined() || anchor_ >= static_cast<int>(first_submap_); }
   /// Until then, map_T_odom that the last metres speak for, if they do.
-  [[nodiscard]] std::optional<Pose2> guess() const { return localiser_ ? localiser_->guess() : std::nullopt; }
+  [[nodiscard]] std::optional<Pose2> guess() const { return is_in_world() ? std::nullopt : localiser_->guess(); }
 
   /// Every keyframe. @return  Whether there is work.
   bool add(const Keyframe& keyframe, std::span<const BeamCode> codes);
@@ -69,7 +76,7 @@ class SubmapGraph {
   /// Grows when submaps are new or have moved.
   [[nodiscard]] std::int64_t revision() const { return revision_; }
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
-  /// A submap that the map is of: where the robot was found, else of the largest part.
+  /// A submap that the map is of: where the robot was found, else of the part with the most keyframes.
   [[nodiscard]] int anchor() const { return anchor_; }
   /// The first submap and keyframe of this run.
   [[nodiscard]] std::size_t first_submap() const { return first_submap_; }
@@ -81,7 +88,12 @@ class SubmapGraph {
   }
   [[nodiscard]] const Counts& counts() const { return counts_; }
   /// Share of the fullest pool, 0 to 1: submaps, constraints, keyframes.
-  [[nodiscard]] double used() const;
+  [[nodiscard]] double used() const {
+    const auto share = [](std::size_t size, int most) { return static_cast<double>(size) / most; };
+    return std::max({share(submaps_.size(), params_.submaps_max),
+                     share(graph_.constraints().size(), params_.constraints_max),
+                     share(static_cast<std::size_t>(store_.size()), params_.keyframes_max)});
+  }
   /// Where each of these poses was, as known now: between two submaps' origins a correction goes in with the travel.
   /// @param odom  odom_T_scan of all scans in their order, keyframes and others; some may lack.
   [[nodiscard]] std::vector<StampedPose> corrected(std::span<const StampedPose> odom) const;
@@ -142,6 +154,7 @@ class SubmapGraph {
   std::size_t first_submap_ = 0;
   int first_keyframe_ = 0;
   int anchor_ = 0;                         ///< SubmapWorld
+  int anchor_keyframes_ = 0;               ///< of its part, before this run
   std::optional<PlaceBySubmap> expected_;  ///< of the next keyframe
   std::optional<PosePrior> filter_;        ///< where the particle filter has the newest submap
   std::vector<Attempts> attempts_;         ///< per submap

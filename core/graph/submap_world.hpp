@@ -17,8 +17,10 @@ struct SubmapWorld {
   std::optional<Pose2> map_T_odom{};  ///< of the keyframes behind the last submap; none: they are not of this world
   int anchor = 0;                     ///< a submap that the map is of
 
-  /// Whether it is joined to the anchor: where others lie is not known.
-  [[nodiscard]] bool has(int submap) const { return graph.component(submap) == graph.component(anchor); }
+  /// Whether it is joined to the anchor, which may be a submap that is not there yet: where others lie is not known.
+  [[nodiscard]] bool has(int submap) const {
+    return anchor < graph.size() && graph.component(submap) == graph.component(anchor);
+  }
 };
 
 /// A pose by a submap that it is near to: it holds in whichever frame the submap lies.

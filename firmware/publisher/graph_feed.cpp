@@ -124,7 +124,7 @@ bool GraphFeed::draw() {
   if (drawn_revision_ != graph_->revision() || drawn_keyframes_ != graph_->keyframes().size()) {
     drawn_revision_ = graph_->revision();
     drawn_keyframes_ = graph_->keyframes().size();
-    if (std::exchange(drawn_anchor_, graph_->anchor()) != graph_->anchor() && graph_->is_in_world()) {
+    if (std::exchange(drawn_anchor_, graph_->anchor()) != graph_->anchor()) {
       make_tiles();  // the map may be of another part now
     }
     tiles_->update(graph_->world());

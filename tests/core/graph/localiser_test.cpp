@@ -35,7 +35,7 @@ struct Continued : Drive {
   [[nodiscard]] double error_m() const {
     return (graph.guess().value_or(graph.map_T_odom()) * odom.back().map_T_scan).distance_m(truth());
   }
-  [[nodiscard]] bool is_found() const { return graph.is_in_world() || graph.guess(); }
+  [[nodiscard]] bool is_found() const { return graph.is_joined() || graph.guess(); }
 };
 
 TEST(Localiser, GuessesWhereTheRobotIs) {
@@ -57,7 +57,7 @@ TEST(Localiser, GuessesWhereTheRobotIs) {
 TEST(Localiser, IsSureAfterAWhileAndHasAllOfThePathWhereTheRobotWas) {
   Continued run;
   run.drive({{-10.5, 2.0}, {-10.5, -6.5}, {10.5, -6.5}, {10.5, 2.0}});
-  ASSERT_TRUE(run.graph.is_in_world());
+  ASSERT_TRUE(run.graph.is_joined());
   EXPECT_LT(run.error_m(), 0.15);
   run.graph.finish();
   const std::vector<StampedPose> path = run.graph.corrected(run.odom);
@@ -69,7 +69,7 @@ TEST(Localiser, IsSureAfterAWhileAndHasAllOfThePathWhereTheRobotWas) {
 TEST(Localiser, LeavesTheOldWorldAsItWas) {
   Continued run;
   run.drive({{-10.5, 2.0}, {-10.5, -6.5}, {10.5, -6.5}, {10.5, 2.0}});
-  ASSERT_TRUE(run.graph.is_in_world());
+  ASSERT_TRUE(run.graph.is_joined());
   run.graph.finish();
   for (int i = 0; i < mapped().graph.graph().size(); ++i) {
     EXPECT_LT(run.graph.graph().pose(i).distance_m(mapped().graph.graph().pose(i)), 0.1) << i;
@@ -81,7 +81,7 @@ TEST(Localiser, BelievesAnExpectedPoseOnceAScanConfirmsIt) {
   Continued right;
   right.graph.expect(start * Pose2{0.4, -0.3, 0.1});
   right.drive({{-10.5, -5.0}, {-10.49, -5.0}});
-  EXPECT_TRUE(right.graph.is_in_world());
+  EXPECT_TRUE(right.graph.is_joined());
   EXPECT_LT(right.error_m(), 0.1);
   Continued wrong;
   wrong.graph.expect(mapped().poses.front().inverse() * Pose2{10.5, -3.0, 0.0});
@@ -95,10 +95,24 @@ TEST(Localiser, BelievesAnExpectedPoseOnceAScanConfirmsIt) {
 TEST(Localiser, FindsNothingInAnotherBuilding) {
   Continued run(ring(14.0, 16.0, 6));
   run.drive({{-8.5, -9.5}, {8.5, -9.5}, {8.5, 9.5}, {-8.5, 9.5}, {-8.5, -9.5}});
-  EXPECT_FALSE(run.graph.is_in_world());
+  EXPECT_FALSE(run.graph.is_joined());
   Continued corridor(hotel());
   corridor.drive({{1.0, 0.0}, {40.0, 0.0}});
-  EXPECT_FALSE(corridor.graph.is_in_world());
+  EXPECT_FALSE(corridor.graph.is_joined());
+}
+
+TEST(Localiser, TheMapIsThisRunsOwnOnceThatIsTheLargerPart) {
+  Drive small(ring(14.0, 16.0, 6), {0.002, 0.0, 0.0002});
+  small.drive({{-8.5, -9.5}, {-5.5, -9.5}});
+  small.graph.finish();
+  Drive run(ring(18.0, 10.0), {0.002, 0.0, 0.0002});
+  ASSERT_TRUE(run.graph.resume(small.graph.world()));
+  EXPECT_FALSE(run.graph.is_in_world());
+  run.drive({{-10.5, 2.0}, {-10.5, -6.5}, {10.5, -6.5}});
+  EXPECT_FALSE(run.graph.is_joined());
+  EXPECT_TRUE(run.graph.is_in_world());
+  EXPECT_FALSE(run.graph.world().has(0)) << "where the rest lies is not known";
+  EXPECT_TRUE(run.graph.world().has(static_cast<int>(run.graph.submaps().size()) - 1));
 }
 
 TEST(Localiser, RefusesAWorldThatIsLargerThanItsRoom) {
