@@ -13,7 +13,7 @@ constexpr double kHalf_m = 0.5 * kCell_m * MapPiece::kSide_cells;
 constexpr Pose2 kMap_T_piece{kHalf_m, kHalf_m, 0.0};
 constexpr std::uint32_t kWallPasses = 3;   // beams that go through a wall's cell for one that ends there
 constexpr std::uint32_t kFreePasses = 10;  // from which on it is free
-constexpr double kNear_m = 0.2;            // of a wall
+constexpr int kNear_cells = 2;             // of a wall
 constexpr double kStep_m = 0.07;
 constexpr double kFrom_m = 0.3;
 constexpr double kClear_m = 0.5;  // before a return; a wall there may be the one that it lies on
@@ -57,10 +57,10 @@ const Cell* PlaceFit::cell(const Point2& p) const {
 }
 
 bool PlaceFit::is_near_wall(const Point2& p) const {
-  for (double y_m = -kNear_m; y_m <= kNear_m; y_m += kCell_m) {
-    for (double x_m = -kNear_m; x_m <= kNear_m; x_m += kCell_m) {
-      const Cell* const at = cell({p.x_m + x_m, p.y_m + y_m});
-      if (at != nullptr && x_m * x_m + y_m * y_m <= kNear_m * kNear_m && is_wall(*at)) {
+  for (int row = -kNear_cells; row <= kNear_cells; ++row) {
+    for (int column = -kNear_cells; column <= kNear_cells; ++column) {
+      const Cell* const at = cell({p.x_m + column * kCell_m, p.y_m + row * kCell_m});
+      if (at != nullptr && row * row + column * column <= kNear_cells * kNear_cells && is_wall(*at)) {
         return true;
       }
     }
@@ -78,7 +78,8 @@ void PlaceFit::count(const Pose2& map_T_scan, Tally& tally) const {
     const Point2 d = frame_.direction(beam);
     const Point2 way{c * d.x_m - s * d.y_m, s * d.x_m + c * d.y_m};
     bool is_through = false;
-    for (double at_m = kFrom_m; at_m < frame_.range_m(beam) - kClear_m && !is_through; at_m += kStep_m) {
+    double at_m = kFrom_m - kStep_m;
+    while ((at_m += kStep_m) < frame_.range_m(beam) - kClear_m && !is_through) {
       const Cell* const at = cell({map_T_scan.x_m + at_m * way.x_m, map_T_scan.y_m + at_m * way.y_m});
       is_through = at != nullptr && is_wall(*at);
     }

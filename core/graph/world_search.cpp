@@ -51,18 +51,17 @@ void WorldSearch::begin(const KeyframeStore& store, std::span<const PathScan> pi
     }
   }
   points_.clear();
-  const double step = std::max(1.0, static_cast<double>(all.size()) / static_cast<double>(kPoints_max));
-  for (double at = 0.0; at < static_cast<double>(all.size()) && points_.size() < kPoints_max; at += step) {
-    points_.push_back(all[static_cast<std::size_t>(at)]);
+  const std::size_t kept = std::min(all.size(), kPoints_max);
+  for (std::size_t i = 0; i < kept; ++i) {
+    points_.push_back(all[i * all.size() / kept]);
   }
 }
 
 std::int8_t* WorldSearch::cell(const Point2& p) {
   const int column = static_cast<int>(std::floor(p.x_m / kCell_m)) + kSide_cells / 2;
   const int row = static_cast<int>(std::floor(p.y_m / kCell_m)) + kSide_cells / 2;
-  return column < 0 || row < 0 || column >= kSide_cells || row >= kSide_cells
-             ? nullptr
-             : &raster_[static_cast<std::size_t>(row * kSide_cells + column)];
+  return column < 0 || row < 0 || column >= kSide_cells || row >= kSide_cells ? nullptr
+                                                                              : &raster_[index_of(column, row)];
 }
 
 void WorldSearch::draw_scan(const Pose2& raster_T_scan) {
@@ -74,7 +73,10 @@ void WorldSearch::draw_scan(const Pose2& raster_T_scan) {
     const Point2 d = frame_.direction(beam);
     const Point2 way{c * d.x_m - s * d.y_m, s * d.x_m + c * d.y_m};
     const double clear_m = frame_.range_m(beam) - kClear_m;
-    for (double at_m = 0.0; at_m < clear_m; at_m += 0.8 * kCell_m) {
+    constexpr double kStep_m = 0.8 * kCell_m;
+    const int steps = std::max(0, static_cast<int>(std::ceil(clear_m / kStep_m)));
+    for (int step = 0; step < steps; ++step) {
+      const double at_m = step * kStep_m;
       std::int8_t* const free = cell({raster_T_scan.x_m + at_m * way.x_m, raster_T_scan.y_m + at_m * way.y_m});
       if (free == nullptr) {
         break;
@@ -106,7 +108,7 @@ void WorldSearch::blur() {
   walls_ = raster_;
   for (int row = 1; row + 1 < kSide_cells; ++row) {
     for (int column = 1; column + 1 < kSide_cells; ++column) {
-      const auto at = static_cast<std::size_t>(row * kSide_cells + column);
+      const std::size_t at = index_of(column, row);
       if (walls_[at] == kWall) {
         for (const int other :
              {-kSide_cells - 1, -kSide_cells, -kSide_cells + 1, -1, 1, kSide_cells - 1, kSide_cells, kSide_cells + 1}) {
@@ -125,7 +127,7 @@ void WorldSearch::correlate(double yaw_rad) {
   for (const Point2& p : points_) {
     const int column = static_cast<int>(std::floor((c * p.x_m - s * p.y_m) / kCell_m)) + kFirst;
     const int row = static_cast<int>(std::floor((s * p.x_m + c * p.y_m) / kCell_m)) + kFirst;
-    const std::int8_t* from = &raster_[static_cast<std::size_t>(row * kSide_cells + column)];
+    const std::int8_t* from = &raster_[index_of(column, row)];
     std::int16_t* to = sums_.data();
     for (int y = 0; y < kWindow_cells; ++y, from += kSide_cells, to += kWindow_cells) {
       for (int x = 0; x < kWindow_cells; ++x) {
@@ -138,8 +140,10 @@ void WorldSearch::correlate(double yaw_rad) {
 void WorldSearch::take_peaks(int submap, double yaw_rad) {
   const auto best = std::max_element(sums_.begin(), sums_.end());
   const auto at = static_cast<int>(best - sums_.begin());
-  const double x_m = (at % kWindow_cells - kWindow_cells / 2 + 0.5) * kCell_m;
-  const double y_m = (at / kWindow_cells - kWindow_cells / 2 + 0.5) * kCell_m;
+  const int column = at % kWindow_cells - kWindow_cells / 2;
+  const int row = at / kWindow_cells - kWindow_cells / 2;
+  const double x_m = (column + 0.5) * kCell_m;
+  const double y_m = (row + 0.5) * kCell_m;
   offer({submap, {x_m, y_m, yaw_rad}, *best / (static_cast<double>(kWall) * static_cast<double>(points_.size()))});
 }
 

@@ -48,6 +48,9 @@ class WorldSearch {
 
   using Raster = std::vector<std::int8_t>;
 
+  [[nodiscard]] static std::size_t index_of(int column, int row) {
+    return static_cast<std::size_t>(row) * kSide_cells + static_cast<std::size_t>(column);
+  }
   void draw(const SubmapWorld& world, int submap);
   void draw_scan(const Pose2& raster_T_scan);
   void blur();
