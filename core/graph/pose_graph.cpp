@@ -67,7 +67,7 @@ void PoseGraph::add(const Constraint& constraint) {
   from = to = index;
   const auto [first, other] = std::minmax({component(constraint.from), component(constraint.to)});
   if (first != other) {
-    std::replace(components_.begin(), components_.end(), other, first);
+    std::replace(components_.begin() + other, components_.end(), other, first);  // none of it comes before its first
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <utility>
 
@@ -15,20 +14,14 @@ FileFailure ContinuedWorld::read(WorldFile& file, const RobotParams& params) {
   if (!reading.world) {
     return {EBADMSG, std::move(reading.wrong)};
   }
-  if (!reading.world->is_numbered_as_file) {
-    return {EBADMSG, "an earlier session in it ended without its last submap; name a new file, and keep this one"};
-  }
-  if (reading.world->submaps.empty()) {
+  const StoredWorld& world = *reading.world;
+  if (world.submaps.empty()) {
     return {};
   }
-  mirror_ = WorldMirror(*reading.world);
-  const auto last = std::find_if(reading.world->sessions.rbegin(), reading.world->sessions.rend(),
-                                 [](const StoredSession& each) { return each.submaps > 0; });
-  WorldChanges changes;
-  static_cast<void>(mirror_.collect(reading.world->world(), changes));
-  FileFailure failed = file.write({.session = last->id}, changes);
+  const bool is_all_in_file = static_cast<int>(world.submaps.size()) == world.submaps_in_file;
+  FileFailure failed = is_all_in_file ? FileFailure{} : file.renew_graph(world);
   if (!failed.any()) {
-    mirror_.take(changes);
+    mirror_ = WorldMirror(world.world());
     stored_ = std::move(reading.world);
   }
   return failed;

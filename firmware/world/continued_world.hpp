@@ -16,8 +16,8 @@ namespace odoless {
 /// Thread: owned by one thread. Not for real-time threads.
 class ContinuedWorld {
  public:
-  /// Reads a file that is open to write. Keyframes that the last run left in no submap, as after a power cut, are made
-  /// into submaps, in the file too.
+  /// Reads a file that is open to write. Keyframes that a run left in no submap, as after a power cut or a reset, are
+  /// made into submaps, in the file too.
   /// @param params  How these are made. Errors: EBADMSG where the file cannot be gone on with.
   FileFailure read(WorldFile& file, const RobotParams& params);
 

@@ -91,10 +91,7 @@ struct StoredWorld {
   KeyframeStore store;
   PoseGraph graph;
   std::vector<Submap> submaps;
-  /// That the file has too; the others were made of keyframes that were in none.
-  int submaps_in_file = 0;
-  int constraints_in_file = 0;
-  bool is_numbered_as_file = true;  ///< so that one may go on with the file
+  int submaps_in_file = 0;  ///< the others were made of keyframes that were in none
 };
 
 }  // namespace odoless

@@ -186,15 +186,45 @@ FileFailure WorldFile::write(const WorldPlace& place, const WorldChanges& change
   if (changes.is_empty()) {
     return {};
   }
+  FileFailure failed = transact([&] { return insert(place, changes); });
+  identity_.revision += !failed.any() && changes.is_map_changed() ? 1 : 0;
+  return failed;
+}
+
+FileFailure WorldFile::transact(const std::function<bool()>& change) {
   if (FileFailure failed = database_.run("BEGIN IMMEDIATE"); failed.any()) {
     return failed;
   }
-  FileFailure failed = insert(place, changes) ? database_.run("COMMIT") : database_.failure();
+  FileFailure failed = change() ? database_.run("COMMIT") : database_.failure();
   if (failed.any()) {
     static_cast<void>(database_.run("ROLLBACK"));  // some failures have done that already
-  } else {
-    identity_.revision += changes.is_map_changed() ? 1 : 0;
   }
+  return failed;
+}
+
+FileFailure WorldFile::renew_graph(const StoredWorld& world) {
+  const auto renew = [&] {
+    if (!Statement(database_, "DELETE FROM submap_constraint").run() ||
+        !Statement(database_, "DELETE FROM submap").run()) {
+      return false;
+    }
+    for (const StoredSession& session : world.sessions) {
+      WorldChanges changes;
+      changes.first_submap = session.first_submap;
+      for (int i = session.first_submap; i < session.first_submap + session.submaps; ++i) {
+        changes.submaps.push_back(world.submaps[static_cast<std::size_t>(i)]);
+        changes.moved.push_back({i, world.graph.pose(i)});
+      }
+      if (!insert_submaps({.session = session.id}, changes)) {
+        return false;
+      }
+    }
+    WorldChanges changes;
+    changes.constraints.assign(world.graph.constraints().begin(), world.graph.constraints().end());
+    return insert_constraints({}, changes) && grow_revision();
+  };
+  FileFailure failed = transact(renew);
+  identity_.revision += failed.any() ? 0 : 1;
   return failed;
 }
 
@@ -208,12 +238,10 @@ bool WorldFile::insert(const WorldPlace& place, const WorldChanges& changes) {
       return false;
     }
   }
-  if (!changes.is_map_changed()) {
-    return true;
-  }
-  Statement revision(database_, "UPDATE world SET revision = revision + 1");
-  return revision.run();
+  return !changes.is_map_changed() || grow_revision();
 }
+
+bool WorldFile::grow_revision() { return Statement(database_, "UPDATE world SET revision = revision + 1").run(); }
 
 bool WorldFile::insert_keyframes(const WorldPlace& place, const WorldChanges& changes) {
   Statement insert(database_, "INSERT INTO keyframe VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "drivers/io/file_descriptor.hpp"
@@ -34,6 +35,10 @@ class WorldFile {
   /// All of it or nothing, in one transaction.
   FileFailure write(const WorldPlace& place, const WorldChanges& changes);
 
+  /// Writes all submaps and constraints anew, as a world that was read has them: with those that were made then, and
+  /// its numbers. All of it or nothing.
+  FileFailure renew_graph(const StoredWorld& world);
+
   /// Writes the file anew, as small as it can be, in the place of the old one, and closes it. Only of a writer. What
   /// fails leaves the old one.
   FileFailure compact();
@@ -48,7 +53,10 @@ class WorldFile {
   FileFailure bring_up_to_date(bool is_new, const std::string& program);
   FileFailure refuse_unless_world();
   FileFailure read_identity();
+  /// One transaction. @param change  Says whether it could.
+  FileFailure transact(const std::function<bool()>& change);
   [[nodiscard]] bool insert(const WorldPlace& place, const WorldChanges& changes);
+  [[nodiscard]] bool grow_revision();
   [[nodiscard]] bool insert_keyframes(const WorldPlace& place, const WorldChanges& changes);
   [[nodiscard]] bool insert_submaps(const WorldPlace& place, const WorldChanges& changes);
   [[nodiscard]] bool insert_constraints(const WorldPlace& place, const WorldChanges& changes);

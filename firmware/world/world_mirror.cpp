@@ -15,12 +15,10 @@ bool is_finite(const Pose2& pose) {
 
 }  // namespace
 
-WorldMirror::WorldMirror(const StoredWorld& world) : keyframes_(world.store.size()) {
-  for (int i = 0; i < world.submaps_in_file; ++i) {
-    poses_.push_back(world.graph.pose(i));
-  }
-  for (int i = 0; i < world.constraints_in_file; ++i) {
-    weights_.push_back(world.graph.constraints()[static_cast<std::size_t>(i)].weight);
+WorldMirror::WorldMirror(const SubmapWorld& world)
+    : keyframes_(world.store.size()), poses_(world.graph.poses().begin(), world.graph.poses().end()) {
+  for (const Constraint& each : world.graph.constraints()) {
+    weights_.push_back(each.weight);
   }
 }
 

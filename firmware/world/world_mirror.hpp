@@ -17,8 +17,8 @@ class WorldMirror {
 
   /// Of a file that has nothing of it yet.
   WorldMirror() = default;
-  /// Of the file that a world was read from.
-  explicit WorldMirror(const StoredWorld& world);
+  /// Of a file that has all of it.
+  explicit WorldMirror(const SubmapWorld& world);
 
   /// Adds what the file does not have: keyframes where `changes` has none yet, submaps whose keyframes are there,
   /// constraints, poses and weights. @return  Whether there is more.

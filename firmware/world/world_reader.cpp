@@ -261,7 +261,6 @@ class Reader {
   /// Numbers all submaps session by session.
   void join() {
     world_->submaps_in_file = static_cast<int>(stored_.size());
-    world_->constraints_in_file = static_cast<int>(held_.size());
     for (std::size_t i = 0; i < mapped_.size(); ++i) {
       finish_submaps(static_cast<int>(i));
       world_->sessions[i].first_submap = world_->graph.size();
@@ -274,9 +273,6 @@ class Reader {
     const auto number_of = [&](const Number& number) {
       return world_->sessions[static_cast<std::size_t>(number.session)].first_submap + number.index;
     };
-    for (std::size_t i = 0; i < stored_.size(); ++i) {
-      world_->is_numbered_as_file &= number_of(stored_[i]) == static_cast<int>(i);
-    }
     for (Held& each : held_) {
       each.constraint.from = number_of(each.from);
       each.constraint.to = number_of(each.to);

@@ -138,6 +138,19 @@ class World(DaemonCase):
         sessions = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
         self.assertEqual(sessions[-1]["joined_submaps"], sum(each["submaps"] for each in sessions))
 
+    # The map that was left by a reset ends in the middle of a submap; the next start goes on with the file all the same.
+    def test_goes_on_after_a_reset(self):
+        daemon = self.start_world()
+        self.assertEqual(self.ctl("reset").returncode, 0)
+        self.wait_until(lambda: self.count_in_time("keyframe WHERE session = 2") > 1, 20)
+        self.stop_in_time(daemon)
+        daemon = self.start_daemon("--world", self.path("w"))
+        self.wait_until(lambda: self.count_in_time("keyframe WHERE session = 3") > 0, 20)
+        self.stop_in_time(daemon)
+        self.world("check", self.path("w"))
+        sessions = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
+        self.assertEqual([each["keyframes"] > 0 and each["submaps"] > 0 for each in sessions], [True] * 3)
+
     def test_begins_a_session_with_each_map(self):
         daemon = self.start_world()
         self.assertEqual(self.ctl("reset").returncode, 0)

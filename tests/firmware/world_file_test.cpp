@@ -217,6 +217,39 @@ TEST_F(World, IsGoneOnWith) {
   expect_same(*reading.world, second);
 }
 
+// As after a reset: a session before the last one has keyframes in no submap. Its last submap takes its place in the
+// file.
+TEST_F(World, IsGoneOnWithAfterASessionThatEndedInASubmap) {
+  drive(graph_, 0, 17);
+  write(graph_);
+  SubmapGraph second(params().graph, RobotLimits{}, ScanParams{}, 1);
+  drive(second, 0, 31);
+  second.finish();
+  write(second);
+  const WorldReading before = read();
+  ASSERT_TRUE(before.world) << before.wrong;
+  WorldFile file;
+  ASSERT_FALSE(file.open_to_write(path(), "1").any());
+  ContinuedWorld continued;
+  const FileFailure failed = continued.read(file, params());
+  ASSERT_FALSE(failed.any()) << failed.text;
+  SubmapGraph third(params().graph, RobotLimits{}, ScanParams{}, 1);
+  ASSERT_TRUE(third.resume(continued.stored()->world()));
+  odometry_.clear();
+  drive(third, 0, 23);
+  third.finish();
+  WorldPlace place;
+  ASSERT_FALSE(file.begin({}, place).any());
+  WorldMirror mirror = continued.mirror();
+  append(file, {.session = place.session}, mirror, third);
+  file.close();
+  const WorldReading reading = read();
+  ASSERT_TRUE(reading.world) << reading.wrong;
+  EXPECT_EQ(reading.world->sessions[0].submaps, before.world->sessions[0].submaps);
+  EXPECT_EQ(static_cast<std::size_t>(reading.world->submaps_in_file), reading.world->submaps.size());
+  expect_same(*reading.world, third);
+}
+
 TEST_F(World, SaysWhereTheRobotWasLast) {
   drive(graph_, 0, 40);
   graph_.finish();
