@@ -70,7 +70,7 @@ bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
                          keyframe.odom_T_scan);
     }
     localiser_->add(store_, index);
-    if (!is_in_world() && store_.size() - first_keyframe_ > anchor_keyframes_) {
+    if (!is_in_world() && !guess() && store_.size() - first_keyframe_ > anchor_keyframes_) {
       anchor_ = static_cast<int>(first_submap_);
       ++revision_;
     }

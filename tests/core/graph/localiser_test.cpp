@@ -115,6 +115,26 @@ TEST(Localiser, TheMapIsThisRunsOwnOnceThatIsTheLargerPart) {
   EXPECT_TRUE(run.graph.world().has(static_cast<int>(run.graph.submaps().size()) - 1));
 }
 
+// A pose that was guessed in the world does not leave it because this run has mapped more by now.
+TEST(Localiser, AGuessKeepsTheMapThatItIsOf) {
+  Drive small(ring(18.0, 10.0), {0.002, 0.0, 0.0002});
+  small.drive({{-10.5, -2.0}, {-10.5, -6.5}, {-8.0, -6.5}});
+  small.graph.finish();
+  Drive run(ring(18.0, 10.0), {0.002, 0.0, 0.0002});
+  ASSERT_TRUE(run.graph.resume(small.graph.world()));
+  bool is_guess_of_less = false;
+  run.drive({{-10.5, 0.0}, {-10.5, -0.5}});
+  for (Point2 at{-10.5, -0.5}; at.x_m < -7.0;) {
+    const bool was_guessed = run.graph.guess().has_value();
+    const Point2 next = at.y_m > -6.25 ? Point2{at.x_m, at.y_m - 0.5} : Point2{at.x_m + 0.5, at.y_m};
+    run.drive({at, next});
+    at = next;
+    EXPECT_TRUE(!was_guessed || run.graph.is_joined() || !run.graph.is_in_world()) << at.x_m << ", " << at.y_m;
+    is_guess_of_less |= run.graph.guess() && run.graph.keyframes().size() > 2 * small.graph.keyframes().size();
+  }
+  EXPECT_TRUE(is_guess_of_less) << "this run never had the larger part";
+}
+
 TEST(Localiser, RefusesAWorldThatIsLargerThanItsRoom) {
   GraphParams small;
   small.submaps_max = 16;
