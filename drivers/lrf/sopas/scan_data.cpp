@@ -1,6 +1,7 @@
 #include "drivers/lrf/sopas/scan_data.hpp"
 
 #include <cmath>
+#include <initializer_list>
 #include <string_view>
 
 namespace odoless::sopas {
@@ -45,6 +46,42 @@ bool is_possible(const ScanShape& shape) {
          shape.start_tmdeg >= -kFullTurnTmdeg && end_tmdeg <= kFullTurnTmdeg &&
          end_tmdeg - shape.start_tmdeg <= kFullTurnTmdeg && shape.scale > 0.0F && shape.scale <= kScaleMax &&
          std::isfinite(shape.offset);
+}
+
+void skip(Fields& fields, std::initializer_list<int> sizes_bytes) {
+  for (const int bytes : sizes_bytes) {
+    static_cast<void>(fields.number(bytes));
+  }
+}
+
+/// Position, name, comment, time of day, event: each is a 1 and what it is, or a 0. It differs from model to model how
+/// many of them there are.
+bool is_tail_whole(Fields fields) {
+  for (int part = 0; part < 5 && !fields.empty(); ++part) {
+    const std::uint32_t is_there = fields.number(2);
+    if (is_there > 1) {
+      return false;
+    }
+    if (is_there == 0) {
+      continue;
+    }
+    switch (part) {
+      case 0:
+        skip(fields, {4, 4, 4, 4, 4, 4, 1, 1});
+        break;
+      case 3:
+        skip(fields, {2, 1, 1, 1, 1, 1, 4});
+        break;
+      case 4:
+        static_cast<void>(fields.text(4));
+        skip(fields, {4, 4, 4});
+        break;
+      default:
+        static_cast<void>(fields.text(fields.number(1)));
+        break;
+    }
+  }
+  return fields.ok() && fields.empty();
 }
 
 /// @return  kOk, or why the channel cannot be read.
@@ -99,7 +136,7 @@ Result<ScanData> scan_data_of(const Telegram& telegram, std::span<std::uint16_t>
   if (!fields.ok()) {
     return Errc::kFrameMalformed;
   }
-  // Position, name, comment, time of day, event: it differs from model to model which of them are there.
+  data.shape.has_whole_tail = is_tail_whole(fields);
   data.shape.left = static_cast<int>(fields.left());
   return data.shape.beams == 0 ? Result<ScanData>(Errc::kWrongCount) : Result<ScanData>(data);
 }

@@ -15,7 +15,11 @@ struct ScanShape {
   int step_tmdeg = 0;
   float scale = 1.0F;   ///< mm per count
   float offset = 0.0F;  ///< mm
-  int left = 0;         ///< what follows the ranges, of which a damaged telegram without a sum has less
+  /// What follows the ranges: a damaged telegram without a sum has less of it.
+  int left = 0;
+  /// Whether that is as documented. It is not where bytes are missing before it that cancel out in a sum by XOR, for
+  /// then the telegram ends among the next one's first bytes.
+  bool has_whole_tail = true;
   friend bool operator==(const ScanShape&, const ScanShape&) = default;
 };
 

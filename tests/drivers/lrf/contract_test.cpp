@@ -144,7 +144,8 @@ TEST_P(LrfContract, HearsNothingInHalfPackets) {
 TEST_P(LrfContract, HearsNothingWrongInBytesThatAreMissing) {
   expect_survived([&](std::string& bytes) {
     if (!bytes.empty() && rng_.below(4) == 0) {
-      bytes.erase(rng_.below(static_cast<std::uint32_t>(bytes.size())), 1 + rng_.below(3));
+      const std::size_t first = rng_.below(static_cast<std::uint32_t>(bytes.size()));
+      bytes.erase(first, 1 + rng_.below(3));
     }
   });
 }

@@ -152,6 +152,23 @@ TEST(SopasScanData, SaysAllThatTheTelegramDoes) {
             (std::vector<std::uint16_t>{1000, 2000, 0, 1, 0xFFFF}));
 }
 
+TEST(SopasScanData, TellsATailThatIsNotAsDocumented) {
+  std::vector<std::uint16_t> ranges(4);
+  const auto has_whole_tail = [&](const std::string& tail) {
+    return read(scan_text("0 1 DIST1 3F800000 00000000 FFF92230 2710 2 1 2 0" + tail), ranges)
+        .value()
+        .shape.has_whole_tail;
+  };
+  for (const char* const whole :
+       {"", " 0", " 0 0 0 0 0", " 1 0 0 0 0 0 0 1 2 0 0 0 0", " 0 1 3 Tim 0 1 7D0 1 2 3 4 5 FFFFF 1 FDEC 1 2 3"}) {
+    EXPECT_TRUE(has_whole_tail(whole)) << whole;
+  }
+  for (const char* const damaged :
+       {" 2", " 0 0 0 0 33", " 0 0 0 0 202", " 0 0 0 0 0 0", " 0 0 0 1 7D0 1", " 0 1 9 Tim"}) {
+    EXPECT_FALSE(has_whole_tail(damaged)) << damaged;
+  }
+}
+
 TEST(SopasScanData, RefusesWhatIsNotWhole) {
   std::vector<std::uint16_t> ranges(4);
   const std::string channel = "0 1 DIST1 3F800000 00000000 FFF92230 2710 ";
