@@ -295,21 +295,29 @@ bool WorldFile::insert_constraints(const WorldPlace& place, const WorldChanges& 
   return true;
 }
 
+FileFailure WorldFile::copy_to(const std::filesystem::path& to) {
+  FileFailure failed = Statement(database_, "VACUUM INTO ?").run(to.string()) ? FileFailure{} : database_.failure();
+  if (!failed.any()) {
+    const FileDescriptor descriptor(::open(to.c_str(), O_RDWR | O_CLOEXEC));
+    failed = descriptor.valid() && ::fsync(descriptor.get()) == 0 ? FileFailure{} : failure_of(errno);
+  }
+  if (failed.any()) {
+    static_cast<void>(::unlink(to.c_str()));
+  }
+  return failed;
+}
+
 // The lock is held until the new file is in place: nobody writes to the old one meanwhile.
 FileFailure WorldFile::compact() {
   const std::filesystem::path made = path_.string() + ".tmp";
   static_cast<void>(::unlink(made.c_str()));
-  FileFailure failed = Statement(database_, "VACUUM INTO ?").run(made.string()) ? FileFailure{} : database_.failure();
+  FileFailure failed = copy_to(made);
   database_.close();  // its log goes into the old file
-  if (!failed.any()) {
-    const FileDescriptor descriptor(::open(made.c_str(), O_RDWR | O_CLOEXEC));
-    const bool is_whole = descriptor.valid() && ::fsync(descriptor.get()) == 0;
-    failed = is_whole && ::rename(made.c_str(), path_.c_str()) == 0 ? FileFailure{} : failure_of(errno);
-    sync_folder_of(path_);
-  }
-  if (failed.any()) {
+  if (!failed.any() && ::rename(made.c_str(), path_.c_str()) != 0) {
+    failed = failure_of(errno);
     static_cast<void>(::unlink(made.c_str()));
   }
+  sync_folder_of(path_);
   close();
   return failed;
 }

@@ -39,6 +39,9 @@ class WorldFile {
   /// its numbers. All of it or nothing.
   FileFailure renew_graph(const StoredWorld& world);
 
+  /// Writes all of it to another file, which is not there, as small as it can be. What fails leaves none.
+  FileFailure copy_to(const std::filesystem::path& to);
+
   /// Writes the file anew, as small as it can be, in the place of the old one, and closes it. Only of a writer. What
   /// fails leaves the old one.
   FileFailure compact();

@@ -4,6 +4,7 @@ As: python3 world_test.py PROGRAMS SOURCES
 """
 
 import contextlib
+import itertools
 import json
 import math
 import os
@@ -114,6 +115,52 @@ class World(DaemonCase):
         self.assertLess(max(apart), 0.2)
         self.world("export", self.path("w"), "--out", self.path("again"))
         self.assertEqual(content(self.path("run2/trajectory.tum")), content(self.path("again/trajectory.tum")))
+
+    def part_of(self, log, name, begin, end):
+        """A world of the scans of a log from one share of it to another."""
+        with open(log, encoding="utf-8") as file:
+            lines = file.readlines()
+        scans = [index for index, line in enumerate(lines) if line.startswith("FLASER")]
+        cuts = [scans[int(share * (len(scans) - 1))] for share in (begin, end)]
+        with open(self.path(name + ".log"), "w", encoding="utf-8") as file:
+            file.writelines(lines[cuts[0]:cuts[1]])
+        made = run("odoless", "replay", self.path(name + ".log"), "--out", self.path("run_" + name), "--world", self.path(name))
+        self.assertEqual(made.returncode, 0, made.stderr)
+
+    # Two drives through one building, each with a world of its own: one map, in which both lie as in one drive.
+    def test_merges_worlds_of_one_building(self):
+        log = self.log()
+        self.part_of(log, "a", 0.0, 0.67)
+        self.part_of(log, "b", 0.33, 1.0)
+        self.assertEqual(run("odoless", "replay", log, "--out", self.path("whole")).returncode, 0)
+        self.assertIn("session 1", self.world("merge", self.path("a"), self.path("b"), "--out", self.path("w")).stdout)
+        self.world("check", self.path("w"))
+        self.assertEqual(self.count("session"), 2)
+        sessions = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
+        self.assertEqual(sessions[1]["joined_submaps"], sessions[0]["submaps"] + sessions[1]["submaps"])
+        self.world("export", self.path("w"), "--out", self.path("again"))
+        whole = self.poses("whole/trajectory.tum")
+        for name in ("trajectory_1.tum", "trajectory.tum"):
+            apart = [math.dist(pose, whole[stamp]) for stamp, pose in self.poses("again/" + name).items()]
+            self.assertGreater(len(apart), 200)
+            self.assertLess(max(apart), 0.2)
+        before = content(self.path("w"))
+        self.world("merge", self.path("a"), self.path("b"), "--out", self.path("w"), status=EX_CANTCREAT)
+        self.assertIn("lacks", self.world("merge", self.path("w"), self.path("b"), "--out", self.path("c"), status=EX_DATAERR).stderr)
+        self.assertEqual(content(self.path("w")), before)
+
+    # What is not surely one building is refused, and nothing is made or changed.
+    def test_refuses_to_merge_worlds_of_two_buildings(self):
+        for name in ("rooms", "storey", "symmetric"):
+            self.assertEqual(run("odoless", "sim", os.path.join(os.path.dirname(WORLD), name + ".world"), "--out", self.path(name + ".all")).returncode, 0)
+            self.part_of(self.path(name + ".all"), name, 0.0, 1.0)
+        before = content(self.path("rooms"))
+        for first, second in itertools.permutations(("rooms", "storey", "symmetric"), 2):
+            refused = self.world("merge", self.path(first), self.path(second), "--out", self.path("w"), status=EX_DATAERR)
+            self.assertIn("no place is surely where it was", refused.stderr)
+            self.assertIn("another building", refused.stderr)
+        self.assertEqual(content(self.path("rooms")), before)
+        self.assertEqual([name for name in os.listdir(self.path(".")) if name.startswith("w")], [])
 
     # A daemon that was killed starts where the robot is, which drives on meanwhile.
     def test_starts_where_it_was_after_a_kill(self):

@@ -20,9 +20,11 @@
 #include "tools/output/g2o.hpp"
 #include "tools/output/map_files.hpp"
 #include "tools/output/map_picture.hpp"
+#include "tools/output/progress.hpp"
 #include "tools/output/result_folder.hpp"
 #include "tools/output/trajectory.hpp"
 #include "tools/output/whole_file.hpp"
+#include "tools/output/world_merge.hpp"
 #include "tools/output/world_output.hpp"
 
 namespace odoless {
@@ -32,6 +34,7 @@ constexpr Rgb kPathColour{220, 50, 32};
 
 struct WorldJob {
   std::filesystem::path file;
+  std::filesystem::path other;
   std::filesystem::path out;
   double resolution_m = 0.0;
   int session = 0;
@@ -39,11 +42,11 @@ struct WorldJob {
   bool force = false;
 };
 
-std::unique_ptr<StoredWorld> read(const WorldJob& job, WorldFile& file) {
-  open_world(job.file, file);
+std::unique_ptr<StoredWorld> read(const std::filesystem::path& path, WorldFile& file) {
+  open_world(path, file);
   WorldReading reading = read_world(file, RobotParams{});
   if (!reading.world) {
-    throw DataError(job.file.string(), 0, reading.wrong, "a whole world; `odoless world check` says more");
+    throw DataError(path.string(), 0, reading.wrong, "a whole world; `odoless world check` says more");
   }
   return std::move(reading.world);
 }
@@ -123,7 +126,7 @@ nlohmann::ordered_json info_of(const WorldJob& job, const StoredWorld& world) {
 
 void run_info(const WorldJob& job) {
   WorldFile file;
-  const nlohmann::ordered_json info = info_of(job, *read(job, file));
+  const nlohmann::ordered_json info = info_of(job, *read(job.file, file));
   if (job.json) {
     fmt::print("{}\n", info.dump(2));
     return;
@@ -147,7 +150,7 @@ void run_info(const WorldJob& job) {
 
 void run_check(const WorldJob& job) {
   WorldFile file;
-  const std::unique_ptr<StoredWorld> world = read(job, file);
+  const std::unique_ptr<StoredWorld> world = read(job.file, file);
   if (const std::string damage = file.damage(); !damage.empty()) {
     throw DataError(job.file.string(), 0, "damaged: " + damage, "a whole world");
   }
@@ -156,10 +159,10 @@ void run_check(const WorldJob& job) {
 }
 
 /// What a session was run with; what this program does not know of it is said, and is then as built in.
-RobotParams params_of(const WorldJob& job, const StoredSession& session) {
+RobotParams params_of(const std::filesystem::path& file, const StoredSession& session) {
   DaemonParams params;
   try {
-    parse_parameters(session.about.configuration, "configuration in " + job.file.string(), params);
+    parse_parameters(session.about.configuration, "configuration in " + file.string(), params);
   } catch (const ConfigError& error) {
     fmt::print(stderr, "odoless: {}; the map is made with the built-in configuration\n", error.what());
   }
@@ -210,10 +213,10 @@ void tell_of_others(const StoredWorld& world, const Joined& joined, std::size_t 
 
 void run_export(const WorldJob& job) {
   WorldFile file;
-  const std::unique_ptr<StoredWorld> world = read(job, file);
+  const std::unique_ptr<StoredWorld> world = read(job.file, file);
   const std::size_t chosen = chosen_session(job, *world);
   const StoredSession& session = world->sessions[chosen];
-  const RobotParams params = params_of(job, session);
+  const RobotParams params = params_of(job.file, session);
   const Joined joined = joined_to(*world, session);
   ResultFolder folder(job.out, job.force);
   const std::filesystem::path& out = folder.unfinished();
@@ -257,6 +260,78 @@ void run_compact(const WorldJob& job) {
   fmt::print("{}: {} bytes, before {}\n", job.file.string(), std::filesystem::file_size(job.file), before);
 }
 
+bool has(const StoredWorld& world, const StoredSession& session) {
+  return std::ranges::any_of(world.sessions, [&](const StoredSession& each) {
+    return each.about.started == session.about.started && each.about.seed == session.about.seed &&
+           each.keyframes == session.keyframes;
+  });
+}
+
+/// Those of the other world that this one lacks.
+std::vector<SessionToMerge> sessions_to_merge(const WorldJob& job, const StoredWorld& world, const StoredWorld& other) {
+  std::vector<SessionToMerge> sessions;
+  for (std::size_t i = 0; i < other.sessions.size(); ++i) {
+    const StoredSession& session = other.sessions[i];
+    if (session.submaps > 0 && !has(world, session)) {
+      sessions.push_back({i, params_of(job.other, session)});
+    }
+  }
+  if (sessions.empty()) {
+    throw DataError(job.other.string(), 0, "has no session with a submap that " + job.file.string() + " lacks",
+                    "a world with other sessions");
+  }
+  return sessions;
+}
+
+std::string line_of(const MergedSession& merged) {
+  return merged.is_joined ? fmt::format("session {} of {} submaps: joined, {} loop closures", merged.number + 1,
+                                        merged.submaps, merged.closures)
+         : merged.closures > 0
+             ? fmt::format(
+                   "session {} of {} submaps: left out, for {} loop closures are too few to be sure: {} are needed",
+                   merged.number + 1, merged.submaps, merged.closures, kClosures_min)
+             : fmt::format("session {} of {} submaps: left out, for no place is surely where it was", merged.number + 1,
+                           merged.submaps);
+}
+
+void run_merge(const WorldJob& job) {
+  if (std::filesystem::exists(job.out) && !job.force) {
+    throw CannotCreateError(job.out.string() + ": is there already: another name is needed, or --force to replace it");
+  }
+  WorldFile file;
+  const std::unique_ptr<StoredWorld> world = read(job.file, file);
+  WorldFile other_file;
+  const std::unique_ptr<StoredWorld> other = read(job.other, other_file);
+  const std::vector<SessionToMerge> sessions = sessions_to_merge(job, *world, *other);
+  const std::filesystem::path made = job.out.string() + ".tmp";
+  std::filesystem::remove(made);
+  if (const FileFailure failed = file.copy_to(made); failed.any()) {
+    throw CannotCreateError(made.string() + ": " + failed.text);
+  }
+  std::vector<MergedSession> merged;
+  try {
+    std::int64_t keyframes = 0;
+    for (const SessionToMerge& each : sessions) {
+      keyframes += other->sessions[each.number].keyframes;
+    }
+    Progress bar(keyframes, InPipe::kLines);
+    merged = merge_sessions(*other, sessions, made, [&](std::int64_t done) { bar.update(done, {}); });
+  } catch (...) {
+    std::filesystem::remove(made);
+    throw;
+  }
+  for (const MergedSession& each : merged) {
+    fmt::print(each.is_joined ? stdout : stderr, "{}\n", line_of(each));
+  }
+  if (std::ranges::none_of(merged, &MergedSession::is_joined)) {
+    std::filesystem::remove(made);
+    throw DataError(job.other.string(), 0, "is not merged: it may be of another building than " + job.file.string(),
+                    "a world that shares ten metres of way or more with it");
+  }
+  std::filesystem::rename(made, job.out);
+  fmt::print("{}\n", job.out.string());
+}
+
 CLI::App* add_job(CLI::App& world, const char* name, const char* what, WorldJob& job) {
   CLI::App* const command = world.add_subcommand(name, what);
   command->add_option("FILE", job.file, "World file")->required();
@@ -283,6 +358,11 @@ void add_world(CLI::App& app) {
   output->add_option("--session", job->session, "Session, with those that loop closures join it with; 0: the last one")
       ->check(CLI::Range(0, 1000000));
   output->callback([job] { run_export(*job); });
+  CLI::App* const merge = add_job(*world, "merge", "Join two worlds of one building in a new file", *job);
+  merge->add_option("OTHER", job->other, "World file whose sessions are to be found in the first")->required();
+  merge->add_option("--out", job->out, "World file for both")->required();
+  merge->add_flag("--force", job->force, "Replace the file that is there");
+  merge->callback([job] { run_merge(*job); });
   add_job(*world, "compact", "Write a world anew, as small as it can be", *job)->callback([job] { run_compact(*job); });
 }
 

@@ -1,0 +1,85 @@
+#include "tools/output/world_merge.hpp"
+
+#include <algorithm>
+
+#include "core/graph/submap_graph.hpp"
+#include "tools/output/world_output.hpp"
+
+namespace odoless {
+namespace {
+
+/// The configuration's pools, or larger ones where both worlds need them.
+GraphParams with_room(GraphParams params, const StoredWorld& into, const StoredWorld& from) {
+  const auto submaps = static_cast<int>(from.submaps.size());
+  const auto constraints = static_cast<int>(into.graph.constraints().size());
+  params.keyframes_max = std::max(params.keyframes_max, into.store.size() + from.store.size());
+  params.keyframe_beams_max = std::max({params.keyframe_beams_max, into.store.most_beams(), from.store.most_beams()});
+  params.submaps_max = std::max(params.submaps_max, into.graph.size() + 2 * submaps + 1);
+  params.constraints_max = std::max(params.constraints_max, constraints + (params.candidates + 2) * (2 * submaps + 1));
+  return params;
+}
+
+int closures_with_others(const SubmapGraph& graph) {
+  const auto first = static_cast<int>(graph.first_submap());
+  return static_cast<int>(std::ranges::count_if(graph.graph().constraints(), [&](const Constraint& each) {
+    return each.is_loop && each.holds() && (each.from < first) != (each.to < first);
+  }));
+}
+
+MergedSession merge_one(const StoredWorld& from, const SessionToMerge& wanted, const std::filesystem::path& into,
+                        const std::function<void(int)>& progress) {
+  const StoredSession& session = from.sessions[wanted.number];
+  WorldOutput output(into, session.about.program, wanted.params);
+  MergedSession merged{.number = wanted.number, .submaps = session.submaps};
+  if (output.world() == nullptr) {
+    return merged;
+  }
+  SubmapGraph graph(with_room(wanted.params.graph, *output.world(), from), wanted.params.limits, wanted.params.scan,
+                    static_cast<std::uint64_t>(session.about.seed));
+  if (!graph.resume(output.world()->world())) {
+    return merged;
+  }
+  for (int i = 0; i < session.keyframes; ++i) {
+    const int k = session.first_keyframe + i;
+    for (bool is_at_work = graph.add(from.store[k], from.store.codes(k)); is_at_work; is_at_work = graph.work()) {
+    }
+    progress(i + 1);
+  }
+  graph.finish();
+  merged.submaps = static_cast<int>(graph.submaps().size() - graph.first_submap());
+  merged.closures = closures_with_others(graph);
+  merged.is_joined = graph.is_joined() && merged.closures >= kClosures_min;
+  if (merged.is_joined) {
+    output.write(session.about, graph, session.odometry);
+  }
+  return merged;
+}
+
+}  // namespace
+
+std::vector<MergedSession> merge_sessions(const StoredWorld& from, const std::vector<SessionToMerge>& sessions,
+                                          const std::filesystem::path& into, const MergeProgress& progress) {
+  std::vector<MergedSession> merged(sessions.size());
+  std::vector<int> tried(sessions.size(), -1);  // when so many others had been joined
+  std::int64_t done = 0;
+  int joined = 0;
+  const auto next = [&] {
+    for (std::size_t i = 0; i < sessions.size(); ++i) {
+      if (!merged[i].is_joined && tried[i] < joined) {
+        return i;
+      }
+    }
+    return sessions.size();
+  };
+  for (std::size_t i = next(); i < sessions.size(); i = next()) {
+    tried[i] = joined;
+    merged[i] = merge_one(from, sessions[i], into, [&](int keyframes) { progress(done + keyframes); });
+    if (merged[i].is_joined) {
+      done += from.sessions[sessions[i].number].keyframes;
+      ++joined;
+    }
+  }
+  return merged;
+}
+
+}  // namespace odoless
