@@ -103,6 +103,18 @@ TEST(ResultFolder, OverwritesNothingUnlessForced) {
   EXPECT_THAT(names_in(folder.path()), testing::UnorderedElementsAre("map.pgm", kSummaryFile, "notes.txt"));
 }
 
+TEST(ResultFolder, ReplacesResultsByOthersWithoutASummary) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  for (const char* const content : {"old", "new"}) {
+    ResultFolder results(out, true);
+    write_whole_file(results.unfinished() / "map.pgm", content);
+    results.finish();
+    EXPECT_EQ(test::content_of(out / "map.pgm"), content);
+    EXPECT_THAT(names_in(out), testing::ElementsAre("map.pgm"));
+  }
+}
+
 TEST(ResultFolder, TakesAnEmptyFolderAsItIs) {
   const test::TemporaryFolder folder;
   const std::filesystem::path out = folder.path() / "out";

@@ -184,7 +184,9 @@ void ResultFolder::move_out() {
     }
   }
   synchronise_folder(folder_);
-  move(kSummaryFile);
+  if (std::filesystem::exists(unfinished_ / kSummaryFile)) {  // an exported world has none
+    move(kSummaryFile);
+  }
   static_cast<void>(::rmdir(unfinished_.c_str()));
   unfinished_.clear();
   synchronise_folder(folder_);
