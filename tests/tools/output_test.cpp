@@ -178,9 +178,10 @@ TEST(Trajectory, IsTumWithExactStamps) {
 
 TEST(Trajectory, IsReadBackAsAReference) {
   const test::TemporaryFolder folder;
-  std::vector<StampedPose> poses;
-  for (int i = 0; i < 100; ++i) {
-    poses.push_back({i * 200'000'000LL, {i * 0.1, -i * 0.2, wrap_angle(i * 0.3)}});
+  std::vector<StampedPose> poses(100);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto at = static_cast<double>(i);
+    poses[i] = {static_cast<std::int64_t>(i) * 200'000'000, {at * 0.1, -at * 0.2, wrap_angle(at * 0.3)}};
   }
   write_trajectory(folder.path() / "trajectory.tum", poses);
   const ReferencePoses back = read_reference_poses(folder.path() / "trajectory.tum");

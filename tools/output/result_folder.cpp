@@ -79,7 +79,7 @@ std::filesystem::path plain(const std::filesystem::path& folder) {
 
 }  // namespace
 
-ResultFolder::ResultFolder(std::filesystem::path folder, bool is_forced) : folder_(plain(std::move(folder))) {
+ResultFolder::ResultFolder(const std::filesystem::path& folder, bool is_forced) : folder_(plain(folder)) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::symlink_status(folder_, error);
   is_there_ = status.type() != std::filesystem::file_type::not_found && !error;

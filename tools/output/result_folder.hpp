@@ -19,7 +19,7 @@ class ResultFolder {
  public:
   /// @param is_forced  Results that are there already are replaced; without it only an empty folder, or none, will do.
   /// @throws CannotCreateError where it will not do, or cannot be made.
-  ResultFolder(std::filesystem::path folder, bool is_forced);
+  ResultFolder(const std::filesystem::path& folder, bool is_forced);
   /// Without `finish` nothing is left of it.
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
