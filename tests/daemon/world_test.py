@@ -94,18 +94,26 @@ class World(DaemonCase):
             rows = [[float(value) for value in line.split()] for line in file if not line.startswith("#")]
         return {row[0]: row[1:3] for row in rows}
 
+    def part_of(self, log, begin, end):
+        """The scans of a log from one share of it to another."""
+        with open(log, encoding="utf-8") as file:
+            lines = file.readlines()
+        scans = [index for index, line in enumerate(lines) if line.startswith("FLASER")] + [len(lines)]
+        first, last = (scans[int(share * (len(scans) - 1))] for share in (begin, end))
+        part = self.path(f"part_{begin}_{end}.log")
+        with open(part, "w", encoding="utf-8") as file:
+            file.writelines(lines[first:last])
+        return part
+
+    def replay_into(self, world, log, out, *options):
+        made = run("odoless", "replay", log, "--out", self.path(out), "--world", self.path(world), *options)
+        self.assertEqual(made.returncode, 0, made.stderr)
+
     # The second drive through a building is found in the map of the first, and has its frame; it begins elsewhere.
     def test_goes_on_with_what_is_there(self):
         log = self.log()
-        with open(log, encoding="utf-8") as file:
-            lines = file.readlines()
-        scans = [index for index, line in enumerate(lines) if line.startswith("FLASER")]
-        cut = scans[len(scans) // 3]
-        with open(self.path("later.log"), "w", encoding="utf-8") as file:
-            file.writelines(lines[cut:])
-        for session, part in ((1, log), (2, self.path("later.log"))):
-            made = run("odoless", "replay", part, "--out", self.path(f"run{session}"), "--seed", session, "--world", self.path("w"))
-            self.assertEqual(made.returncode, 0, made.stderr)
+        self.replay_into("w", log, "run1", "--seed", 1)
+        self.replay_into("w", self.part_of(log, 0.33, 1.0), "run2", "--seed", 2)
         self.assertEqual(self.count("session"), 2)
         sessions = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
         self.assertEqual(sessions[1]["joined_submaps"], sessions[0]["submaps"] + sessions[1]["submaps"])
@@ -116,23 +124,14 @@ class World(DaemonCase):
         self.world("export", self.path("w"), "--out", self.path("again"))
         self.assertEqual(content(self.path("run2/trajectory.tum")), content(self.path("again/trajectory.tum")))
 
-    def part_of(self, log, name, begin, end):
-        """A world of the scans of a log from one share of it to another."""
-        with open(log, encoding="utf-8") as file:
-            lines = file.readlines()
-        scans = [index for index, line in enumerate(lines) if line.startswith("FLASER")]
-        cuts = [scans[int(share * (len(scans) - 1))] for share in (begin, end)]
-        with open(self.path(name + ".log"), "w", encoding="utf-8") as file:
-            file.writelines(lines[cuts[0]:cuts[1]])
-        made = run("odoless", "replay", self.path(name + ".log"), "--out", self.path("run_" + name), "--world", self.path(name))
-        self.assertEqual(made.returncode, 0, made.stderr)
-
     # Two drives through one building, each with a world of its own: one map, in which both lie as in one drive.
     def test_merges_worlds_of_one_building(self):
         log = self.log()
-        self.part_of(log, "a", 0.0, 0.67)
-        self.part_of(log, "b", 0.33, 1.0)
+        self.replay_into("a", self.part_of(log, 0.0, 0.67), "run_a")
+        self.replay_into("b", self.part_of(log, 0.33, 1.0), "run_b")
         self.assertEqual(run("odoless", "replay", log, "--out", self.path("whole")).returncode, 0)
+        os.mkdir(self.path(".unfinished-w"))  # of a merge that was killed
+        shutil.copy(self.path("b"), self.path(".unfinished-w/world"))
         self.assertIn("session 1", self.world("merge", self.path("a"), self.path("b"), "--out", self.path("w")).stdout)
         self.world("check", self.path("w"))
         self.assertEqual(self.count("session"), 2)
@@ -152,15 +151,15 @@ class World(DaemonCase):
     # What is not surely one building is refused, and nothing is made or changed.
     def test_refuses_to_merge_worlds_of_two_buildings(self):
         for name in ("rooms", "storey", "symmetric"):
-            self.assertEqual(run("odoless", "sim", os.path.join(os.path.dirname(WORLD), name + ".world"), "--out", self.path(name + ".all")).returncode, 0)
-            self.part_of(self.path(name + ".all"), name, 0.0, 1.0)
+            self.assertEqual(run("odoless", "sim", os.path.join(os.path.dirname(WORLD), name + ".world"), "--out", self.path(name + ".log")).returncode, 0)
+            self.replay_into(name, self.path(name + ".log"), "run_" + name)
         before = content(self.path("rooms"))
         for first, second in itertools.permutations(("rooms", "storey", "symmetric"), 2):
             refused = self.world("merge", self.path(first), self.path(second), "--out", self.path("w"), status=EX_DATAERR)
             self.assertIn("no place is surely where it was", refused.stderr)
             self.assertIn("another building", refused.stderr)
         self.assertEqual(content(self.path("rooms")), before)
-        self.assertEqual([name for name in os.listdir(self.path(".")) if name.startswith("w")], [])
+        self.assertEqual([name for name in os.listdir(self.path(".")) if name.startswith((".", "w"))], [])
 
     # A daemon that was killed starts where the robot is, which drives on meanwhile.
     def test_starts_where_it_was_after_a_kill(self):

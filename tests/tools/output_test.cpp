@@ -103,15 +103,17 @@ TEST(ResultFolder, OverwritesNothingUnlessForced) {
   EXPECT_THAT(names_in(folder.path()), testing::UnorderedElementsAre("map.pgm", kSummaryFile, "notes.txt"));
 }
 
-TEST(ResultFolder, ReplacesResultsByOthersWithoutASummary) {
+// As an exported world's: no summary, and a trajectory of each session.
+TEST(ResultFolder, ReplacesAWorldsResultsByOthers) {
   const test::TemporaryFolder folder;
-  const std::filesystem::path out = folder.path() / "out";
+  folder.file("trajectory_12.tum", "of an export before");
+  folder.file("trajectory_mine.tum", "a person's");
   for (const char* const content : {"old", "new"}) {
-    ResultFolder results(out, true);
+    ResultFolder results(folder.path(), true);
     write_whole_file(results.unfinished() / "map.pgm", content);
     results.finish();
-    EXPECT_EQ(test::content_of(out / "map.pgm"), content);
-    EXPECT_THAT(names_in(out), testing::ElementsAre("map.pgm"));
+    EXPECT_EQ(test::content_of(folder.path() / "map.pgm"), content);
+    EXPECT_THAT(names_in(folder.path()), testing::UnorderedElementsAre("map.pgm", "trajectory_mine.tum"));
   }
 }
 

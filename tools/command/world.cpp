@@ -260,7 +260,7 @@ void run_compact(const WorldJob& job) {
   fmt::print("{}: {} bytes, before {}\n", job.file.string(), std::filesystem::file_size(job.file), before);
 }
 
-bool has(const StoredWorld& world, const StoredSession& session) {
+bool has_session(const StoredWorld& world, const StoredSession& session) {
   return std::ranges::any_of(world.sessions, [&](const StoredSession& each) {
     return each.about.started == session.about.started && each.about.seed == session.about.seed &&
            each.keyframes == session.keyframes;
@@ -272,7 +272,7 @@ std::vector<SessionToMerge> sessions_to_merge(const WorldJob& job, const StoredW
   std::vector<SessionToMerge> sessions;
   for (std::size_t i = 0; i < other.sessions.size(); ++i) {
     const StoredSession& session = other.sessions[i];
-    if (session.submaps > 0 && !has(world, session)) {
+    if (session.submaps > 0 && !has_session(world, session)) {
       sessions.push_back({i, params_of(job.other, session)});
     }
   }
@@ -284,51 +284,48 @@ std::vector<SessionToMerge> sessions_to_merge(const WorldJob& job, const StoredW
 }
 
 std::string line_of(const MergedSession& merged) {
-  return merged.is_joined ? fmt::format("session {} of {} submaps: joined, {} loop closures", merged.number + 1,
-                                        merged.submaps, merged.closures)
-         : merged.closures > 0
-             ? fmt::format(
-                   "session {} of {} submaps: left out, for {} loop closures are too few to be sure: {} are needed",
-                   merged.number + 1, merged.submaps, merged.closures, kClosures_min)
-             : fmt::format("session {} of {} submaps: left out, for no place is surely where it was", merged.number + 1,
-                           merged.submaps);
+  const std::string what = merged.is_joined ? fmt::format("joined, {} loop closures", merged.closures)
+                           : merged.closures > 0
+                               ? fmt::format("left out, for it takes {} loop closures to be sure, and it has {}",
+                                             kClosures_min, merged.closures)
+                               : "left out, for no place is surely where it was";
+  return fmt::format("session {} of {} submaps: {}", merged.number + 1, merged.submaps, what);
+}
+
+void refuse_if_there(const std::filesystem::path& out) {
+  for (const char* const beside : {"", "-wal"}) {  // SQLite would take what is left of an earlier file into the new one
+    if (const std::filesystem::path path = out.string() + beside; std::filesystem::exists(path)) {
+      throw CannotCreateError(path.string() + ": is there already, and is not replaced: another name is needed");
+    }
+  }
 }
 
 void run_merge(const WorldJob& job) {
-  if (std::filesystem::exists(job.out) && !job.force) {
-    throw CannotCreateError(job.out.string() + ": is there already: another name is needed, or --force to replace it");
-  }
+  refuse_if_there(job.out);
   WorldFile file;
   const std::unique_ptr<StoredWorld> world = read(job.file, file);
   WorldFile other_file;
   const std::unique_ptr<StoredWorld> other = read(job.other, other_file);
+  if (world->submaps.empty()) {
+    throw DataError(job.file.string(), 0, "nothing was mapped", "a world with a submap");
+  }
   const std::vector<SessionToMerge> sessions = sessions_to_merge(job, *world, *other);
-  const std::filesystem::path made = job.out.string() + ".tmp";
-  std::filesystem::remove(made);
-  if (const FileFailure failed = file.copy_to(made); failed.any()) {
-    throw CannotCreateError(made.string() + ": " + failed.text);
+  std::int64_t keyframes = 0;
+  for (const SessionToMerge& each : sessions) {
+    keyframes += other->sessions[each.number].keyframes;
   }
   std::vector<MergedSession> merged;
-  try {
-    std::int64_t keyframes = 0;
-    for (const SessionToMerge& each : sessions) {
-      keyframes += other->sessions[each.number].keyframes;
-    }
+  {
     Progress bar(keyframes, InPipe::kLines);
-    merged = merge_sessions(*other, sessions, made, [&](std::int64_t done) { bar.update(done, {}); });
-  } catch (...) {
-    std::filesystem::remove(made);
-    throw;
+    merged = merge_sessions(file, *other, sessions, job.out, [&](std::int64_t done) { bar.update(done, {}); });
   }
   for (const MergedSession& each : merged) {
     fmt::print(each.is_joined ? stdout : stderr, "{}\n", line_of(each));
   }
   if (std::ranges::none_of(merged, &MergedSession::is_joined)) {
-    std::filesystem::remove(made);
     throw DataError(job.other.string(), 0, "is not merged: it may be of another building than " + job.file.string(),
                     "a world that shares ten metres of way or more with it");
   }
-  std::filesystem::rename(made, job.out);
   fmt::print("{}\n", job.out.string());
 }
 
@@ -360,8 +357,7 @@ void add_world(CLI::App& app) {
   output->callback([job] { run_export(*job); });
   CLI::App* const merge = add_job(*world, "merge", "Join two worlds of one building in a new file", *job);
   merge->add_option("OTHER", job->other, "World file whose sessions are to be found in the first")->required();
-  merge->add_option("--out", job->out, "World file for both")->required();
-  merge->add_flag("--force", job->force, "Replace the file that is there");
+  merge->add_option("--out", job->out, "New world file for both")->required();
   merge->callback([job] { run_merge(*job); });
   add_job(*world, "compact", "Write a world anew, as small as it can be", *job)->callback([job] { run_compact(*job); });
 }

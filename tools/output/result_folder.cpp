@@ -31,6 +31,17 @@ constexpr std::array<std::string_view, 21> kResultFiles{
     "map.svg",        "pose_graph.svg", "cloud_top.svg",         "cloud_perspective.svg",
     "cloud_keys.svg"};
 
+/// Of a world's session: "trajectory_2.tum".
+bool is_session_trajectory(std::string_view name) {
+  constexpr std::string_view kBegin = "trajectory_";
+  constexpr std::string_view kEnd = ".tum";
+  if (!name.starts_with(kBegin) || !name.ends_with(kEnd) || name.size() <= kBegin.size() + kEnd.size()) {
+    return false;
+  }
+  const std::string_view number = name.substr(kBegin.size(), name.size() - kBegin.size() - kEnd.size());
+  return number.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 [[noreturn]] void fail(const std::filesystem::path& folder, const std::string& what, int error_number) {
   throw CannotCreateError(fmt::format("{}: {}", folder.string(), what), error_number);
 }
@@ -170,12 +181,17 @@ void ResultFolder::move_out() {
     }
   };
   synchronise_folder(unfinished_);
-  for (const std::string_view name : kResultFiles) {
+  const auto remove = [this](const std::filesystem::path& name) {
     if (::unlink((folder_ / name).c_str()) != 0 && errno != ENOENT) {
       fail(folder_ / name, errno);
     }
-    if (name == kSummaryFile) {
-      synchronise_folder(folder_);
+  };
+  remove(kSummaryFile);
+  synchronise_folder(folder_);
+  std::ranges::for_each(kResultFiles, remove);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    if (is_session_trajectory(entry.path().filename().string())) {
+      remove(entry.path().filename());
     }
   }
   for (const auto& entry : std::filesystem::directory_iterator(unfinished_)) {

@@ -1,12 +1,44 @@
 #include "tools/output/world_merge.hpp"
 
 #include <algorithm>
+#include <string>
+#include <system_error>
 
+#include "core/base/check.hpp"
 #include "core/graph/submap_graph.hpp"
+#include "tools/command/error.hpp"
+#include "tools/output/whole_file.hpp"
 #include "tools/output/world_output.hpp"
 
 namespace odoless {
 namespace {
+
+/// A folder beside a file in which that is made, with all that SQLite has beside a file. What a program that was killed
+/// has left there would go into the new one: it is removed first.
+class UnfinishedWorld {
+ public:
+  explicit UnfinishedWorld(const std::filesystem::path& out)
+      : out_(out), folder_(out.parent_path() / (".unfinished-" + out.filename().string())) {
+    std::filesystem::remove_all(folder_);
+    make_output_folder(folder_);
+  }
+  ~UnfinishedWorld() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  UnfinishedWorld(const UnfinishedWorld&) = delete;
+  UnfinishedWorld& operator=(const UnfinishedWorld&) = delete;
+
+  [[nodiscard]] std::filesystem::path file() const { return folder_ / "world"; }
+  void finish() {
+    std::filesystem::rename(file(), out_);
+    synchronise_folder(out_.parent_path());
+  }
+
+ private:
+  std::filesystem::path out_;
+  std::filesystem::path folder_;
+};
 
 /// The configuration's pools, or larger ones where both worlds need them.
 GraphParams with_room(GraphParams params, const StoredWorld& into, const StoredWorld& from) {
@@ -31,14 +63,9 @@ MergedSession merge_one(const StoredWorld& from, const SessionToMerge& wanted, c
   const StoredSession& session = from.sessions[wanted.number];
   WorldOutput output(into, session.about.program, wanted.params);
   MergedSession merged{.number = wanted.number, .submaps = session.submaps};
-  if (output.world() == nullptr) {
-    return merged;
-  }
   SubmapGraph graph(with_room(wanted.params.graph, *output.world(), from), wanted.params.limits, wanted.params.scan,
                     static_cast<std::uint64_t>(session.about.seed));
-  if (!graph.resume(output.world()->world())) {
-    return merged;
-  }
+  ODOLESS_CHECK(graph.resume(output.world()->world()));
   for (int i = 0; i < session.keyframes; ++i) {
     const int k = session.first_keyframe + i;
     for (bool is_at_work = graph.add(from.store[k], from.store.codes(k)); is_at_work; is_at_work = graph.work()) {
@@ -57,8 +84,13 @@ MergedSession merge_one(const StoredWorld& from, const SessionToMerge& wanted, c
 
 }  // namespace
 
-std::vector<MergedSession> merge_sessions(const StoredWorld& from, const std::vector<SessionToMerge>& sessions,
-                                          const std::filesystem::path& into, const MergeProgress& progress) {
+std::vector<MergedSession> merge_sessions(WorldFile& into, const StoredWorld& from,
+                                          const std::vector<SessionToMerge>& sessions, const std::filesystem::path& out,
+                                          const MergeProgress& progress) {
+  UnfinishedWorld made(out);
+  if (const FileFailure failed = into.copy_to(made.file()); failed.any()) {
+    throw CannotCreateError(out.string() + ": " + failed.text);
+  }
   std::vector<MergedSession> merged(sessions.size());
   std::vector<int> tried(sessions.size(), -1);  // when so many others had been joined
   std::int64_t done = 0;
@@ -73,11 +105,14 @@ std::vector<MergedSession> merge_sessions(const StoredWorld& from, const std::ve
   };
   for (std::size_t i = next(); i < sessions.size(); i = next()) {
     tried[i] = joined;
-    merged[i] = merge_one(from, sessions[i], into, [&](int keyframes) { progress(done + keyframes); });
+    merged[i] = merge_one(from, sessions[i], made.file(), [&](int keyframes) { progress(done + keyframes); });
     if (merged[i].is_joined) {
       done += from.sessions[sessions[i].number].keyframes;
       ++joined;
     }
+  }
+  if (joined > 0) {
+    made.finish();
   }
   return merged;
 }

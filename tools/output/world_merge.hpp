@@ -9,6 +9,7 @@
 
 #include "config/robot_params.hpp"
 #include "firmware/world/world_contents.hpp"
+#include "firmware/world/world_file.hpp"
 
 namespace odoless {
 
@@ -29,14 +30,15 @@ struct MergedSession {
 /// @param done  Keyframes of the sessions.
 using MergeProgress = std::function<void(std::int64_t done)>;
 
-/// Runs sessions again, from their keyframes, in the world of a file, as if they had been driven there: one that is
-/// found in it for sure (Localiser), and that kClosures_min loop closures hold there, is written to the file as a
-/// session of its own. The others are tried again after each that was, and are else left out.
-/// @param from  Their world. @param into  File of the other world.
+/// Makes a world of one and of another's sessions, in a new file, which appears whole or not at all. The sessions are
+/// run again, from their keyframes, as if they had been driven in the first world: one that is found in it for sure
+/// (Localiser), and that kClosures_min loop closures hold there, is written as a session of its own. The others are
+/// tried again after each that was, and are else left out. Where all are, no file is made.
+/// @param into  Open, with a submap at least. @param from  The other world. @param out  Is not there.
 /// @return  In the order of `sessions`. @throws CannotCreateError, DataError, IoError.
-[[nodiscard]] std::vector<MergedSession> merge_sessions(const StoredWorld& from,
+[[nodiscard]] std::vector<MergedSession> merge_sessions(WorldFile& into, const StoredWorld& from,
                                                         const std::vector<SessionToMerge>& sessions,
-                                                        const std::filesystem::path& into,
+                                                        const std::filesystem::path& out,
                                                         const MergeProgress& progress);
 
 inline constexpr int kClosures_min = 3;

@@ -1,5 +1,6 @@
 #include "drivers/lrf/sopas/scan_data.hpp"
 
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <string_view>
@@ -54,10 +55,17 @@ void skip(Fields& fields, std::initializer_list<int> sizes_bytes) {
   }
 }
 
-/// Position, name, comment, time of day, event: each is a 1 and what it is, or a 0. It differs from model to model how
-/// many of them there are.
+/// What follows the ranges: each is a 1 and what it is, or a 0.
+enum class TailPart { kPosition, kName, kComment, kTimeOfDay, kEvent };
+constexpr std::array kTailParts{TailPart::kPosition, TailPart::kName, TailPart::kComment, TailPart::kTimeOfDay,
+                                TailPart::kEvent};
+
+/// It differs from model to model how many of them there are.
 bool is_tail_whole(Fields fields) {
-  for (int part = 0; part < 5 && !fields.empty(); ++part) {
+  for (const TailPart part : kTailParts) {
+    if (fields.empty()) {
+      break;
+    }
     const std::uint32_t is_there = fields.number(2);
     if (is_there > 1) {
       return false;
@@ -66,17 +74,18 @@ bool is_tail_whole(Fields fields) {
       continue;
     }
     switch (part) {
-      case 0:
+      case TailPart::kPosition:
         skip(fields, {4, 4, 4, 4, 4, 4, 1, 1});
         break;
-      case 3:
+      case TailPart::kTimeOfDay:
         skip(fields, {2, 1, 1, 1, 1, 1, 4});
         break;
-      case 4:
+      case TailPart::kEvent:
         static_cast<void>(fields.text(4));
         skip(fields, {4, 4, 4});
         break;
-      default:
+      case TailPart::kName:
+      case TailPart::kComment:
         static_cast<void>(fields.text(fields.number(1)));
         break;
     }
