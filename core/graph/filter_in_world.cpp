@@ -35,6 +35,7 @@ FilterInWorld::FilterInWorld(const GraphParams& params) {
 void FilterInWorld::update(const SubmapGraph& graph) {
   if (revision_ != graph.revision()) {
     revision_ = graph.revision();
+    forget(graph.forgotten() - forgotten_);
     if (claim_ && is_found_since(graph.graph(), claimed_at_)) {
       claim_.reset();
     }
@@ -45,11 +46,18 @@ void FilterInWorld::update(const SubmapGraph& graph) {
       places_[i].local_T_submap = graph.submaps()[first_ + i].local_T_submap;
     }
   }
-  if (graph.keyframes().size() > graph.first_keyframe()) {
-    begin_ = graph.keyframes()[graph.first_keyframe()].map_T_odom;
+  if (places_.empty() && (forgotten_ > 0 || graph.keyframes().size() > graph.first_keyframe())) {
+    begin_ = graph.map_T_odom();
   }
   guess_ = graph.guess();
   graph_map_T_odom_ = graph.is_behind_unknown_motion() ? std::nullopt : std::optional(graph.map_T_odom());
+}
+
+void FilterInWorld::forget(int submaps) {
+  const auto count = static_cast<std::size_t>(submaps);
+  forgotten_ += submaps;
+  claimed_at_ -= submaps;
+  claim_ = claim_ && *claim_ >= count ? std::optional(*claim_ - count) : std::nullopt;
 }
 
 Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan) {

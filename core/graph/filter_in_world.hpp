@@ -37,12 +37,15 @@ class FilterInWorld {
 
   /// The submap that the robot is at.
   [[nodiscard]] std::optional<std::size_t> nearest(const Pose2& local_T_scan) const;
+  /// So many of the oldest submaps are no more.
+  void forget(int submaps);
 
   std::vector<Place> places_;  ///< of the submaps of this run
   std::size_t first_ = 0;      ///< of them
   std::int64_t revision_ = -1;
+  int forgotten_ = 0;                      ///< submaps of this run
   std::optional<Pose2> guess_;             ///< map_T_odom while this run is not joined to the world
-  std::optional<Pose2> begin_;             ///< map_T_odom before there is a submap
+  std::optional<Pose2> begin_;             ///< map_T_odom while there is no submap
   std::optional<Pose2> graph_map_T_odom_;  ///< none behind a motion that is not credible
   std::optional<Pose2> local_T_odom_;      ///< of the scan before
   std::optional<std::size_t> claim_;       ///< since a jump: the submap by which the filter has the robot in the world

@@ -93,7 +93,7 @@ void GraphSolver::add_block(int row, int column, const Eigen::Matrix3d& block) {
 
 double GraphSolver::move(PoseGraph& graph) const {
   double largest_m = 0.0;
-  for (int node = 0; node < graph.size(); ++node) {
+  for (int node = graph.held(); node < graph.size(); ++node) {
     const Eigen::Vector3d step = step_.segment<3>(3 * node);
     Pose2& pose = graph.poses()[static_cast<std::size_t>(node)];
     pose = {pose.x_m + step.x(), pose.y_m + step.y(), wrap_angle(pose.yaw_rad + step.z())};
@@ -117,7 +117,7 @@ GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max, con
     gradient_.setZero(3 * graph.size());
     report.chi2 = 0.0;
     for (Constraint& constraint : graph.constraints()) {
-      if (constraint.weight > 0.0) {
+      if (constraint.weight > 0.0 && std::max(constraint.from, constraint.to) >= graph.held()) {
         report.chi2 += add(graph, constraint, report.iterations < kIterations_new);
       }
     }
@@ -125,7 +125,7 @@ GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max, con
       report.chi2 += add(graph, *prior);
     }
     for (int node = 0; node < graph.size(); ++node) {
-      if (graph.component(node) == node) {
+      if (graph.component(node) == node || node < graph.held()) {
         add_block(node, node, kFixed * Eigen::Matrix3d::Identity());
       }
     }
@@ -142,7 +142,7 @@ GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max, con
     has_converged = moved_m < kConverged_m && report.iterations > at_least;
   }
   for (Constraint& constraint : graph.constraints()) {
-    if (constraint.is_loop && constraint.weight > 0.0) {
+    if (constraint.is_loop && constraint.weight > 0.0 && std::max(constraint.from, constraint.to) >= graph.held()) {
       constraint.weight = scaled_weight(squared_error(graph, constraint));
     }
   }

@@ -18,7 +18,7 @@ struct PosePrior {
 /// Moves the nodes of a pose graph to where its constraints agree best: Gauss-Newton on a sparse Cholesky factor
 /// [grisetti2010tutorial; method 9], loop closures and a prior weighted by dynamic covariance scaling [agarwal2013dcs;
 /// method 9], new loop closures in full for the first iterations, so that a large loop can close. The first node of
-/// each component stays.
+/// each component stays, and so do nodes that are held, which cost nothing.
 ///
 /// Thread: owned by one thread. Not for real-time threads: it allocates.
 class GraphSolver {

@@ -20,6 +20,18 @@ int KeyframeStore::add(const Keyframe& keyframe, std::span<const BeamCode> codes
   return size() - 1;
 }
 
+void KeyframeStore::erase(int first, int count) {
+  const int end = first + count;
+  const std::size_t begin_code = first < size() ? at(first).first_code : codes_.size();
+  const std::size_t end_code = end < size() ? at(end).first_code : codes_.size();
+  codes_.erase(codes_.begin() + static_cast<std::ptrdiff_t>(begin_code),
+               codes_.begin() + static_cast<std::ptrdiff_t>(end_code));
+  kept_.erase(kept_.begin() + first, kept_.begin() + end);
+  for (int i = first; i < size(); ++i) {
+    at(i).first_code -= end_code - begin_code;
+  }
+}
+
 int KeyframeStore::most_beams() const {
   int most = 0;
   for (int i = 0; i < size(); ++i) {

@@ -19,6 +19,8 @@ class KeyframeStore {
   [[nodiscard]] bool full() const { return kept_.size() == keyframes_max_; }
   /// Only when not full. @return  Its index.
   int add(const Keyframe& keyframe, std::span<const BeamCode> codes);
+  /// Takes out keyframes; those behind them have lower numbers. Linear in these.
+  void erase(int first, int count);
   /// In its submap's frame, once that is known.
   void place(int index, const Pose2& submap_T_scan) { at(index).submap_T_scan = submap_T_scan; }
 

@@ -32,7 +32,7 @@ constexpr double kWorth_found = 5.0;  // in a world of so many submaps; the more
 constexpr double kFound_submaps = 40.0;
 constexpr double kWorth_margin = 2.5;  // over any other place
 constexpr double kAgree_share = 0.6;   // of the pieces, from the first one that agrees on
-constexpr double kPieces_guess = 2.0;
+constexpr double kWorth_guess = 3.0;   // a robot that stands still has but one piece to tell
 constexpr double kPieces_found = 8.0;  // corridors of different buildings are alike for some metres
 constexpr double kAgree_m = 0.6;
 constexpr double kAgree_rad = 0.08;
@@ -70,7 +70,7 @@ void Localiser::forget() {
 
 void Localiser::add(const KeyframeStore& store, int keyframe) {
   const OdometryStretch& step = store[keyframe].since_last;
-  if (step.is_torn()) {
+  if (step.is_torn() && !path_.empty()) {
     forget();
   }
   if (has_work()) {
@@ -163,7 +163,7 @@ void Localiser::try_place(const SubmapWorld& world, SubmapMatcher& matcher, Rng&
          world.graph.component(place.submap),
          world.graph.pose(place.submap) * match.reference_T_query * odom_T_piece_.inverse(),
          worth,
-         {place.submap, piece_[piece_.size() / 2].keyframe, match.covariance, match.reference_T_query}});
+         {place.submap, piece_[piece_.size() / 2].keyframe, false, match.covariance, match.reference_T_query}});
   }
 }
 
@@ -178,7 +178,8 @@ void Localiser::verify(const SubmapWorld& world, SubmapMatcher& matcher, Rng& rn
   if (quality(world, reference, match).value_or(0.0) > kEven_path) {
     guess_ = world.graph.pose(reference) * match.reference_T_query * odom_T_piece_.inverse();
     if (static_cast<double>(agreeing_.size()) >= kPieces_found || is_expected(newest)) {
-      found_ = {reference, piece_[piece_.size() / 2].keyframe, match.covariance, match.reference_T_query};
+      found_ = {reference, piece_[piece_.size() / 2].keyframe, is_expected(newest), match.covariance,
+                match.reference_T_query};
     }
   }
 }
@@ -236,10 +237,10 @@ std::vector<std::size_t> Localiser::judge(int submaps) const {
     const double ahead = kWorth_margin - (is_expected(each) ? 0.0 : expected);
     return are_apart(each, *winner) && agreeing_with(each).worth > best.worth - ahead;
   });
+  const double needed = static_cast<double>(best.members.size()) > 1.0 ? kWorth_found : kWorth_guess;
   const auto votes = static_cast<double>(best.members.size());
   const auto pieces = static_cast<double>(pieces_ - candidates_[best.members.front()].piece + 1);
-  const bool is_enough =
-      best.worth + expected >= kWorth_found + more_worth && (votes >= kPieces_guess || expected > 0.0);
+  const bool is_enough = best.worth + expected >= needed + more_worth;
   return !has_rival && is_enough && votes >= kAgree_share * pieces ? best.members : std::vector<std::size_t>{};
 }
 

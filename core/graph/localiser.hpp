@@ -16,7 +16,8 @@ namespace odoless {
 /// That a piece of the path lies at an older submap.
 struct PieceMatch {
   int reference = 0;
-  int keyframe = 0;  ///< whose frame the piece's is
+  int keyframe = 0;          ///< whose frame the piece's is
+  bool is_expected = false;  ///< somebody said that the robot is there
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Pose2 reference_T_keyframe{};
 };
@@ -50,6 +51,12 @@ class Localiser {
   [[nodiscard]] const std::optional<PieceMatch>& found() const { return found_; }
   /// From here on the path is another one.
   void forget();
+  /// So many keyframes before the path's last metres are no more. While there is no work.
+  void renumber(int keyframes) {
+    for (PathPoint& each : path_) {
+      each.odom.keyframe -= keyframes;
+    }
+  }
 
  private:
   enum class Stage : std::uint8_t { kIdle, kLook, kMatch, kVerify };

@@ -61,6 +61,15 @@ void LoopVerifier::add(const LoopCandidate& candidate) {
   pool_.push_back(candidate);
 }
 
+void LoopVerifier::erase(int first, int count) {
+  const auto is_erased = [&](int submap) { return first <= submap && submap < first + count; };
+  std::erase_if(pool_, [&](const LoopCandidate& each) { return is_erased(each.reference) || is_erased(each.query); });
+  for (LoopCandidate& each : pool_) {
+    each.reference -= each.reference < first ? 0 : count;
+    each.query -= each.query < first ? 0 : count;
+  }
+}
+
 std::vector<std::vector<bool>> LoopVerifier::compare(const PoseGraph& graph) const {
   Projections projections(graph);
   std::vector<std::vector<bool>> agrees(pool_.size(), std::vector<bool>(pool_.size(), true));

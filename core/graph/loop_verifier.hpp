@@ -25,6 +25,8 @@ class LoopVerifier {
   static constexpr int kWindow = 12;  ///< submaps that a match is held back for
 
   void add(const LoopCandidate& candidate);
+  /// These submaps are no more; those behind them have lower numbers.
+  void erase(int first, int count);
   /// Forgets what is older than kWindow submaps before `newest`, and gives the largest set of matches that agree, if it
   /// is enough; these are then no longer held back.
   [[nodiscard]] std::vector<LoopCandidate> verify(const PoseGraph& graph, int newest);

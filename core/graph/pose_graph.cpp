@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <utility>
 
 #include "core/base/check.hpp"
@@ -86,6 +87,24 @@ bool PoseGraph::follows(int node) const {
 void PoseGraph::move(int component, const Pose2& new_T_map) {
   for (std::size_t node = 0; node < poses_.size(); ++node) {
     poses_[node] = components_[node] == component ? new_T_map * poses_[node] : poses_[node];
+  }
+}
+
+void PoseGraph::erase(int first, int count) {
+  const std::vector<Constraint> before = std::exchange(constraints_, {});
+  constraints_.reserve(constraints_max_);
+  links_.clear();
+  poses_.erase(poses_.begin() + first, poses_.begin() + first + count);
+  components_.resize(poses_.size());
+  std::iota(components_.begin(), components_.end(), 0);
+  first_.assign(poses_.size(), kNone);
+  const auto is_erased = [&](int node) { return first <= node && node < first + count; };
+  for (Constraint each : before) {
+    if (!is_erased(each.from) && !is_erased(each.to)) {
+      each.from -= each.from < first ? 0 : count;
+      each.to -= each.to < first ? 0 : count;
+      add(each);
+    }
   }
 }
 

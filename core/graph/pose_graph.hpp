@@ -66,6 +66,12 @@ class PoseGraph {
   /// Moves all nodes of a component as one.
   void move(int component, const Pose2& new_T_map);
 
+  /// The first so many nodes stay where they are, whatever is solved.
+  void hold(int nodes) { held_ = nodes; }
+  [[nodiscard]] int held() const { return held_; }
+  /// Takes out nodes with all of their constraints; those behind them have lower numbers. Linear in the graph.
+  void erase(int first, int count);
+
   [[nodiscard]] const Pose2& pose(int node) const { return poses_[static_cast<std::size_t>(node)]; }
   [[nodiscard]] Pose2 between(int from, int to) const { return pose(from).inverse() * pose(to); }
   [[nodiscard]] std::span<Pose2> poses() { return poses_; }
@@ -87,6 +93,7 @@ class PoseGraph {
 
   std::size_t nodes_max_;
   std::size_t constraints_max_;
+  int held_ = 0;
   std::vector<Pose2> poses_;
   std::vector<int> components_;
   std::vector<int> first_;  ///< constraint of each node

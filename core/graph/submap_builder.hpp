@@ -37,6 +37,12 @@ class SubmapBuilder {
   bool add_stored(int index, KeyframeStore& store);
   /// Goes on after a submap that was made before, whose keyframes the store has.
   void resume(const Submap& last, const KeyframeStore& store);
+  /// So many keyframes before those of the submap that has begun are no more.
+  void renumber(int keyframes) {
+    for (Begun& each : begun_) {
+      each.index -= keyframes;
+    }
+  }
   /// Ends the submap that has begun. @return  Whether there was one.
   bool finish(KeyframeStore& store);
 

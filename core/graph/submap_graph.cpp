@@ -1,26 +1,18 @@
 #include "core/graph/submap_graph.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "core/graph/trajectory_correction.hpp"
-
 namespace odoless {
 namespace {
 
-constexpr int kNeighbours = 4;            // submaps before one that are its own past and not a loop
-constexpr double kNeighbours_rad2 = 0.1;  // unless the robot's turn is this uncertain
-constexpr double kReach_m = 6.0;          // between origins of submaps that overlap
 constexpr double kDeviations = 3.0;
 constexpr int kRevisited = 2;  // older submaps that are looked at again with each new one
 constexpr int kRevisited_candidates = 6;
 constexpr double kRevisited_sd_m = 0.5;
-constexpr double kAgain_m = 1.0;  // change of the predicted pose from which on a match is tried again
-constexpr double kNear_sd_m = 0.35;
 constexpr double kSlack_m = 0.5;  // of the search beyond the deviations
 constexpr double kSlack_rad = 0.05;
 constexpr double kSearch_max_m = 7.0;
@@ -38,11 +30,6 @@ constexpr double kFilter_rad = 0.06;
 constexpr int kIterations = 25;
 constexpr int kIterations_again = 15;
 
-double largest_sd(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
-  return std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
-}
-
 }  // namespace
 
 SubmapGraph::SubmapGraph(const GraphParams& params, const RobotLimits& limits, const ScanParams& scan,
@@ -54,12 +41,15 @@ SubmapGraph::SubmapGraph(const GraphParams& params, const RobotLimits& limits, c
       store_(params.keyframes_max, params.keyframe_beams_max),
       builder_(params),
       graph_(params.submaps_max, params.constraints_max),
-      matcher_(params, scan) {
+      matcher_(params, scan),
+      plan_(params.submaps_max) {
   submaps_.reserve(static_cast<std::size_t>(params.submaps_max));
-  attempts_.reserve(static_cast<std::size_t>(params.submaps_max));
 }
 
 bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
+  if (is_localising()) {
+    keep_path(keyframe);
+  }
   const int index = store_.size();
   if (!graph_.full() && graph_.has_room(1) && builder_.add(keyframe, codes, store_)) {
     add_submap();
@@ -70,7 +60,7 @@ bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
                          keyframe.odom_T_scan);
     }
     localiser_->add(store_, index);
-    if (!is_in_world() && !guess() && store_.size() - first_keyframe_ > anchor_keyframes_) {
+    if (!is_localising() && !is_in_world() && !guess() && store_.size() - first_keyframe_ > anchor_keyframes_) {
       anchor_ = static_cast<int>(first_submap_);
       ++revision_;
     }
@@ -78,7 +68,7 @@ bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
   return has_work();
 }
 
-bool SubmapGraph::resume(const SubmapWorld& world) {
+bool SubmapGraph::resume(const SubmapWorld& world, WorldUse use) {
   const int keyframes = world.store.size();
   const auto constraints = static_cast<int>(world.graph.constraints().size());
   if (keyframes > params_.keyframes_max || world.graph.size() > params_.submaps_max || !graph_.has_room(constraints) ||
@@ -96,10 +86,12 @@ bool SubmapGraph::resume(const SubmapWorld& world) {
     graph_.add(each);
   }
   submaps_.assign(world.submaps.begin(), world.submaps.end());
-  attempts_.resize(submaps_.size());
+  plan_.add_submaps(submaps_.size());
   first_submap_ = submaps_.size();
   first_keyframe_ = keyframes;
   anchor_ = world.anchor;
+  use_ = use;
+  graph_.hold(is_localising() ? graph_.size() : 0);
   revisited_ = static_cast<int>(first_submap_);
   ++revision_;
   for (std::size_t i = 0; i < submaps_.size(); ++i) {
@@ -154,8 +146,12 @@ void SubmapGraph::join(const PieceMatch& match) {
   is_to_solve_ = true;
   filter_.reset();  // it was of where the path was taken to lie
   anchor_ = match.reference;
+  past_.join(old_T_new);
   localiser_.reset();
-  phase_ = phase_ == Phase::kIdle ? Phase::kSolve : phase_;
+  is_confirmed_ = match.is_expected;
+  note_closures();
+  revisited_ = graph_.size() - 3;
+  begin_work(graph_.size() - 1);  // what was planned before knew nothing of the world
   ++revision_;
 }
 
@@ -166,8 +162,8 @@ void SubmapGraph::add_submap() {
   while (work()) {
   }
   const Submap& submap = builder_.finished();
-  if (!has_own_submaps()) {
-    graph_.add_node(store_[submap.first_keyframe].map_T_odom * submap.odom_T_submap);
+  if (own_submaps() == 0) {
+    graph_.add_node(map_T_local_ * store_[submap.first_keyframe].map_T_odom * submap.odom_T_submap);
   } else {
     const int last = graph_.size() - 1;
     const OdometryStretch& odometry = builder_.odometry();
@@ -187,79 +183,25 @@ void SubmapGraph::add_submap() {
     matcher_.forget(last - 1);
   }
   submaps_.push_back(submap);
-  attempts_.emplace_back();
+  plan_.add_submaps(1);
   ++revision_;
   begin_work(graph_.size() - 2);  // the newest one waits for the next, which completes its neighbourhood
 }
 
 void SubmapGraph::begin_work(int query) {
   constexpr double kAny_m = std::numeric_limits<double>::infinity();
-  candidates_.clear();
-  next_candidate_ = 0;
+  plan_.clear();
   newest_query_ = query;
   phase_ = Phase::kMatch;
   if (query < 1) {
     return;
   }
-  plan(query, params_.candidates, kAny_m);
+  plan_.append(graph_, query, static_cast<int>(first_submap_), params_.candidates, kAny_m);
   for (int i = 0; i < kRevisited; ++i) {
-    revisited_ = revisited_ >= query - 1 ? static_cast<int>(first_submap_) : revisited_;
-    plan(revisited_, kRevisited_candidates, kRevisited_sd_m);
+    const auto first = static_cast<int>(first_submap_);
+    revisited_ = revisited_ < first || revisited_ >= query - 1 ? first : revisited_;
+    plan_.append(graph_, revisited_, static_cast<int>(first_submap_), kRevisited_candidates, kRevisited_sd_m);
     ++revisited_;
-  }
-}
-
-void SubmapGraph::plan(int query, int most, double sd_max_m) {
-  graph_.project(query, projection_);
-  std::vector<Candidate> found;
-  for (int reference = 0; reference < query; ++reference) {
-    const auto at = static_cast<std::size_t>(reference);
-    const Eigen::Matrix3d& covariance = projection_.covariances[at];
-    if (projection_.costs[at] >= PoseGraph::kUnreached ||
-        (query - reference < kNeighbours && at >= first_submap_ && covariance(2, 2) < kNeighbours_rad2)) {
-      continue;
-    }
-    const Pose2 query_T_reference = graph_.between(query, reference);
-    const double distance_m = query_T_reference.distance_m({});
-    Candidate candidate{.reference = reference, .query = query, .sd_m = largest_sd(covariance)};
-    if (candidate.sd_m > sd_max_m || distance_m > kDeviations * candidate.sd_m + kReach_m ||
-        !is_worth_trying(query, candidate)) {
-      continue;
-    }
-    candidate.sd_rad = std::sqrt(covariance(2, 2));
-    candidate.order = distance_m / (candidate.sd_m + kDeviations);
-    candidate.covariance = inverted(covariance, query_T_reference);
-    found.push_back(candidate);
-  }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.order < b.order; });
-  found.resize(std::min(found.size(), static_cast<std::size_t>(most)));
-  candidates_.insert(candidates_.end(), found.begin(), found.end());
-}
-
-bool SubmapGraph::is_worth_trying(int query, const Candidate& candidate) {
-  const Attempts& attempts = attempts_[static_cast<std::size_t>(query)];
-  for (std::size_t i = 0; i < attempts.count; ++i) {
-    const Attempt& before = attempts.each[i];
-    if (before.reference == candidate.reference) {
-      return before.predicted.distance_m(graph_.between(candidate.reference, query)) > kAgain_m ||
-             (candidate.sd_m < kNear_sd_m && before.sd_m >= kNear_sd_m);
-    }
-  }
-  return attempts.count < kAttempts;
-}
-
-void SubmapGraph::note_attempt(int query, const Candidate& candidate) {
-  Attempts& attempts = attempts_[static_cast<std::size_t>(query)];
-  const Attempt now{candidate.reference, graph_.between(candidate.reference, query), candidate.sd_m};
-  for (std::size_t i = 0; i < attempts.count; ++i) {
-    if (attempts.each[i].reference == candidate.reference) {
-      attempts.each[i] = now;
-      return;
-    }
-  }
-  if (attempts.count < kAttempts) {
-    attempts.each[attempts.count++] = now;
   }
 }
 
@@ -285,13 +227,13 @@ bool SubmapGraph::work() {
 }
 
 void SubmapGraph::try_next() {
-  if (next_candidate_ == candidates_.size()) {
+  const std::optional<MatchPlan::Candidate> next = plan_.next(graph_);
+  if (!next) {
     phase_ = has_held_back_ ? Phase::kVerify : is_to_solve_ ? Phase::kSolve : Phase::kIdle;
     return;
   }
-  const Candidate& candidate = candidates_[next_candidate_++];
+  const MatchPlan::Candidate& candidate = *next;
   matcher_.set_query(world(), candidate.query);
-  note_attempt(candidate.query, candidate);
   const Pose2 predicted = graph_.between(candidate.reference, candidate.query);
   SubmapSearch where{.centre = predicted, .half_m = kDeviations * candidate.sd_m + kSlack_m};
   if (where.half_m > kSearch_max_m) {  // near the reference, for that is where they overlap
@@ -357,6 +299,7 @@ void SubmapGraph::solve() {
     counts_.solve_chi2 = solver_.solve(graph_, kIterations_again, filter_).chi2;
   }
   is_to_solve_ = false;
+  note_closures();
   ++revision_;
   phase_ = Phase::kIdle;
 }
@@ -367,16 +310,17 @@ void SubmapGraph::finish() {
   }
   while (work()) {
   }
-  begin_work(has_own_submaps() ? graph_.size() - 1 : 0);
+  begin_work(own_submaps() > 0 ? graph_.size() - 1 : 0);
   while (work()) {
   }
   static_cast<void>(solver_.solve(graph_, kIterations));  // of the map itself, which the filter's drift is not part of
   ++revision_;
 }
 
+// Where the path was lost: by the filter's map, which may have it yet.
 Pose2 SubmapGraph::map_T_odom() const {
-  if (!has_own_submaps()) {
-    return store_.size() > first_keyframe_ ? store_[first_keyframe_].map_T_odom : Pose2{};
+  if (own_submaps() == 0) {
+    return store_.size() > first_keyframe_ ? map_T_local_ * store_[first_keyframe_].map_T_odom : lost_map_T_odom_;
   }
   const Submap& last = submaps_.back();
   return graph_.poses().back() * (is_behind_unknown_motion()
@@ -384,9 +328,20 @@ Pose2 SubmapGraph::map_T_odom() const {
                                       : last.odom_T_submap.inverse());
 }
 
+TrajectoryCorrection SubmapGraph::correction() const {
+  TrajectoryCorrection correction;
+  for (const SubmapPlace& each : past_.submaps()) {
+    correction.add(each);
+  }
+  for (std::size_t i = first_submap_; i < submaps_.size(); ++i) {
+    correction.add({submaps_[i].odom_T_submap, graph_.pose(static_cast<int>(i)), submaps_[i].origin_stamp_ns});
+  }
+  return correction;
+}
+
 std::vector<StampedPose> SubmapGraph::corrected(std::span<const StampedPose> odom) const {
   std::vector<StampedPose> poses(odom.begin(), odom.end());
-  TrajectoryCorrection correction(submaps_, graph_, first_submap_);
+  TrajectoryCorrection correction = this->correction();
   correction.survey(odom);
   correction.correct(poses);
   return poses;

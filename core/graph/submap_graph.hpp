@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -13,11 +12,17 @@
 #include "core/graph/keyframe_store.hpp"
 #include "core/graph/localiser.hpp"
 #include "core/graph/loop_verifier.hpp"
+#include "core/graph/match_plan.hpp"
+#include "core/graph/past_path.hpp"
 #include "core/graph/pose_graph.hpp"
 #include "core/graph/submap_builder.hpp"
 #include "core/graph/submap_matcher.hpp"
+#include "core/graph/trajectory_correction.hpp"
 
 namespace odoless {
+
+/// What a run does with a world that others have made: it grows and is corrected, or it stays as it is.
+enum class WorldUse : std::uint8_t { kContinue, kLocalise };
 
 /// The world as a pose graph of submaps, from laser odometry alone: closes loops of any size, and says where the odom
 /// frame lies in the map frame. How: core/graph/README.md.
@@ -28,7 +33,9 @@ namespace odoless {
 /// filter has it.
 ///
 /// A run may continue a world that others have made: then its own submaps are a component apart, until a Localiser has
-/// found where they lie; from then on they are submaps like all others.
+/// found where they lie; from then on they are submaps like all others. Or it may only find its way in that world,
+/// which then stays as it is: of its own submaps it keeps the newest ones alone, and where it may have been carried, by
+/// a motion that is not credible, its path begins anew and is looked for, first where it was lost.
 ///
 /// Frames: map, which is where the first keyframe has it (REP 105). odom never jumps; map_T_odom does, at a correction.
 /// Thread: owned by one thread. Not for real-time threads. The same scans, motions and random seed give the same bytes.
@@ -48,9 +55,14 @@ class SubmapGraph {
 
   /// Before the first keyframe: continues a world, which is copied. @return  Whether there is room for it: submaps,
   /// constraints, keyframes, and beams of each.
-  [[nodiscard]] bool resume(const SubmapWorld& world);
-  /// While it is not known where the path lies in that world: where the robot may be by now, or was last.
+  [[nodiscard]] bool resume(const SubmapWorld& world, WorldUse use = WorldUse::kContinue);
+  [[nodiscard]] bool is_localising() const { return use_ == WorldUse::kLocalise; }
+  /// While it is not known where the path lies in that world, or always where it stays as it is: where the robot may be
+  /// by now, or was last.
   void expect(const Pose2& map_T_scan) {
+    if (is_localising()) {
+      begin_path_anew(true);
+    }
     if (!is_in_world()) {
       expected_ = {anchor_, graph_.pose(anchor_).inverse() * map_T_scan};
     }
@@ -58,10 +70,21 @@ class SubmapGraph {
   void expect(const PlaceBySubmap& place) { expected_ = place; }
   /// Whether this run's submaps are joined to those of before, if there are any.
   [[nodiscard]] bool is_joined() const { return !localiser_; }
+  /// The path is another one from here on, where the world stays as it is: the robot is looked for.
+  /// @param is_near  First where it is now.
+  void begin_path_anew(bool is_near);
+  /// Whether where the robot is in the world is a guess, by scans or from where it was.
+  [[nodiscard]] bool is_guessed() const { return !is_in_world() && (is_joined() || lost_at_ || localiser_->guess()); }
   /// Whether the map is of where the robot is: they are joined, or this run's own are the largest part of the world.
-  [[nodiscard]] bool is_in_world() const { return is_joined() || anchor_ >= static_cast<int>(first_submap_); }
+  /// In a world that stays as it is, loop closures must speak for it, too, and not be long ago.
+  [[nodiscard]] bool is_in_world() const {
+    return is_localising() ? is_joined() && is_confirmed_ && unheld_ < kUnheld_submaps
+                           : is_joined() || anchor_ >= static_cast<int>(first_submap_);
+  }
   /// Until then, map_T_odom that the last metres speak for, if they do.
-  [[nodiscard]] std::optional<Pose2> guess() const { return is_in_world() ? std::nullopt : localiser_->guess(); }
+  [[nodiscard]] std::optional<Pose2> guess() const {
+    return is_in_world() || is_joined() ? std::nullopt : localiser_->guess();
+  }
 
   /// Every keyframe. @return  Whether there is work.
   bool add(const Keyframe& keyframe, std::span<const BeamCode> codes);
@@ -83,6 +106,13 @@ class SubmapGraph {
   [[nodiscard]] int first_keyframe() const { return first_keyframe_; }
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
   [[nodiscard]] const KeyframeStore& keyframes() const { return store_; }
+  /// Own submaps that are no more.
+  [[nodiscard]] int forgotten() const { return forgotten_; }
+  /// What the map is drawn of.
+  [[nodiscard]] SubmapWorld map() const {
+    return is_localising() ? SubmapWorld{store_, graph_, std::span(submaps_).first(first_submap_), {}, anchor_}
+                           : world();
+  }
   [[nodiscard]] SubmapWorld world() const {
     return {store_, graph_, submaps_, is_in_world() ? std::optional(map_T_odom()) : std::nullopt, anchor_};
   }
@@ -97,43 +127,38 @@ class SubmapGraph {
   /// Where each of these poses was, as known now: between two submaps' origins a correction goes in with the travel.
   /// @param odom  odom_T_scan of all scans in their order, keyframes and others; some may lack.
   [[nodiscard]] std::vector<StampedPose> corrected(std::span<const StampedPose> odom) const;
+  /// The same, piece by piece.
+  [[nodiscard]] TrajectoryCorrection correction() const;
 
  private:
   enum class Phase : std::uint8_t { kIdle, kMatch, kVerify, kSolve };
-
-  struct Attempt {
-    int reference = -1;
-    Pose2 predicted{};  ///< reference_T_query at that time
-    double sd_m = 0.0;
-  };
-  static constexpr std::size_t kAttempts = 48;  ///< older submaps that one is matched with in all
-  struct Attempts {
-    std::array<Attempt, kAttempts> each;
-    std::size_t count = 0;
-  };
-  struct Candidate {
-    int reference = 0;
-    int query = 0;
-    double sd_m = 0.0;
-    double sd_rad = 0.0;
-    double order = 0.0;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of reference_T_query as projected
-  };
+  // In a world that stays as it is, own submaps
+  static constexpr int kOwn_submaps = 40;    ///< that are kept: 200 m
+  static constexpr int kUnheld_submaps = 5;  ///< without a loop closure, from which on it is not sure
+  static constexpr int kUnlike_submaps = 6;  ///< of these, where the world has a submap within kKnown_m
+  static constexpr double kKnown_m = 3.0;
+  static constexpr std::size_t kConfirmed_submaps = 2;  ///< with loop closures, that confirm where the path was found
 
   [[nodiscard]] bool has_work() const { return phase_ != Phase::kIdle || (localiser_ && localiser_->has_work()); }
-  [[nodiscard]] bool has_own_submaps() const { return submaps_.size() > first_submap_; }
+  [[nodiscard]] int own_submaps() const { return static_cast<int>(submaps_.size() - first_submap_); }
   void localise();
   /// Joins this run's submaps to the world by this match of its path.
   void join(const PieceMatch& match);
   /// The submap of this run that a keyframe belongs to; none: it was not taken.
   [[nodiscard]] std::optional<int> submap_of(int keyframe) const;
   void add_submap();
+  /// Before a keyframe, in a world that stays as it is.
+  void keep_path(const Keyframe& next);
+  void forget_oldest();
+  /// Whether the robot must be elsewhere.
+  [[nodiscard]] bool is_contradicted() const;
+  /// By which of the newest submaps loop closures hold the path in the world.
+  void note_closures();
+  /// What the world says of the second own submap through the first one.
+  [[nodiscard]] std::optional<Constraint> hold_of_second() const;
+  void erase_own(int submaps, int keyframes);
   /// Plans the matches of a submap, and of a few older ones.
   void begin_work(int query);
-  /// Appends the candidates of a submap.
-  void plan(int query, int most, double sd_max_m);
-  [[nodiscard]] bool is_worth_trying(int query, const Candidate& candidate);
-  void note_attempt(int query, const Candidate& candidate);
   void try_next();
   void accept(const LoopCandidate& candidate, bool is_new);
   void verify();
@@ -157,10 +182,15 @@ class SubmapGraph {
   int anchor_keyframes_ = 0;               ///< of its part, before this run
   std::optional<PlaceBySubmap> expected_;  ///< of the next keyframe
   std::optional<PosePrior> filter_;        ///< where the particle filter has the newest submap
-  std::vector<Attempts> attempts_;         ///< per submap
-  PoseGraph::Projection projection_;
-  std::vector<Candidate> candidates_;
-  std::size_t next_candidate_ = 0;
+  MatchPlan plan_;
+  WorldUse use_ = WorldUse::kContinue;
+  PastPath past_;
+  int forgotten_ = 0;
+  bool is_confirmed_ = false;
+  int unheld_ = 0;                        ///< own submaps since one with a loop closure
+  std::optional<PlaceBySubmap> lost_at_;  ///< where the robot was when it was in the world last
+  Pose2 map_T_local_{};                   ///< of the filter's map, as far as known, while there is no own submap
+  Pose2 lost_map_T_odom_{};               ///< when the path began
   int newest_query_ = -1;
   int revisited_ = 0;
   bool has_held_back_ = false;

@@ -108,10 +108,11 @@ void SubmapMatcher::set_query(const KeyframeStore& store, std::span<const PathSc
   }
 }
 
-void SubmapMatcher::forget(int reference) {
+void SubmapMatcher::forget_from(int first, int end) {
   for (Ready& each : ready_) {
-    each.submap = each.submap == reference ? -1 : each.submap;
+    each.submap = first <= each.submap && each.submap < end ? -1 : each.submap;
   }
+  query_submap_ = first <= query_submap_ && query_submap_ < end ? -1 : query_submap_;
 }
 
 void SubmapMatcher::place(const SubmapWorld& world, int reference, int submap) {

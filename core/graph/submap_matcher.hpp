@@ -53,7 +53,9 @@ class SubmapMatcher {
   void set_query(const KeyframeStore& store, std::span<const PathScan> piece);
   [[nodiscard]] SubmapMatch match(const SubmapWorld& world, int reference, const SubmapSearch& where, Rng& rng);
   /// A submap's neighbourhood has changed.
-  void forget(int reference);
+  void forget(int reference) { forget_from(reference, reference + 1); }
+  /// Those submaps have, or are others now.
+  void forget_from(int first, int end);
 
  private:
   struct Ready {

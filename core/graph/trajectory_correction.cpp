@@ -4,11 +4,9 @@
 
 namespace odoless {
 
-TrajectoryCorrection::TrajectoryCorrection(std::span<const Submap> submaps, const PoseGraph& graph, std::size_t first) {
-  for (std::size_t i = first; i < submaps.size(); ++i) {
-    place_at_ns_.emplace(submaps[i].origin_stamp_ns, places_.size());
-    places_.push_back({submaps[i].odom_T_submap, graph.pose(static_cast<int>(i))});
-  }
+void TrajectoryCorrection::add(const SubmapPlace& submap) {
+  place_at_ns_.emplace(submap.origin_stamp_ns, places_.size());
+  places_.push_back(submap);
 }
 
 double TrajectoryCorrection::Travel::to(const Pose2& odom_T_scan) {
@@ -33,7 +31,7 @@ void TrajectoryCorrection::survey(std::span<const StampedPose> odom) {
 }
 
 Pose2 TrajectoryCorrection::seen_from(const Anchor& anchor, const Pose2& odom_T_scan) const {
-  const Place& place = places_[anchor.place];
+  const SubmapPlace& place = places_[anchor.place];
   return place.map_T_submap * (place.odom_T_submap.inverse() * odom_T_scan);
 }
 

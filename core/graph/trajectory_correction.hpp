@@ -7,10 +7,15 @@
 #include <vector>
 
 #include "core/geometry/stamped_pose.hpp"
-#include "core/graph/pose_graph.hpp"
-#include "core/graph/submap_builder.hpp"
 
 namespace odoless {
+
+/// Where a submap lies in the odometry of its run, and in the world.
+struct SubmapPlace {
+  Pose2 odom_T_submap{};
+  Pose2 map_T_submap{};
+  std::int64_t origin_stamp_ns = 0;
+};
 
 /// Where the poses of a trajectory were, as a pose graph knows it: between two submaps' origins a correction goes in
 /// with the travel. The trajectory is handed over twice, piece by piece, so that it may be of any length. Poses may
@@ -19,19 +24,14 @@ namespace odoless {
 /// Thread: owned by one thread; it keeps nothing of the graph that it was made of.
 class TrajectoryCorrection {
  public:
-  /// @param first  Submaps from there on are the trajectory's.
-  TrajectoryCorrection(std::span<const Submap> submaps, const PoseGraph& graph, std::size_t first = 0);
-
-  /// First, all pieces in their order. @param odom  odom_T_scan of all scans, keyframes and others.
+  /// Each of the trajectory's submaps, in their order.
+  void add(const SubmapPlace& submap);
+  /// Then, all pieces in their order. @param odom  odom_T_scan of all scans, keyframes and others.
   void survey(std::span<const StampedPose> odom);
-  /// Then all of them again: each becomes map_T_scan.
+  /// In the end all of them again: each becomes map_T_scan.
   void correct(std::span<StampedPose> poses);
 
  private:
-  struct Place {
-    Pose2 odom_T_submap{};
-    Pose2 map_T_submap{};
-  };
   /// A submap whose origin is a pose of the trajectory.
   struct Anchor {
     std::size_t place = 0;
@@ -51,7 +51,7 @@ class TrajectoryCorrection {
 
   [[nodiscard]] Pose2 seen_from(const Anchor& anchor, const Pose2& odom_T_scan) const;
 
-  std::vector<Place> places_;
+  std::vector<SubmapPlace> places_;
   std::unordered_map<std::int64_t, std::size_t> place_at_ns_;  ///< by the stamp of its origin
   std::vector<Anchor> anchors_;
   Travel survey_;

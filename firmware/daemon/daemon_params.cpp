@@ -27,6 +27,9 @@ std::string DaemonParams::contradiction() const {
     return fmt::format("lrf.sick_variant has {} beams, more than scan.beams_max = {}, which must be larger", beams,
                        beams_max);
   }
+  if (world.mode == WorldUse::kLocalise && world.file.empty()) {
+    return "world.mode is \"localise\", and world.file names no world to find the way in";
+  }
   if (!world.file.empty() && !robot.graph.enabled) {
     return "world.file keeps the pose graph, and graph.enabled is false: leave one out";
   }

@@ -46,6 +46,16 @@ void move_to(PoseStream trajectory, std::span<StampedPose> path) {
   }
 }
 
+Lack lack_of_world(const FileFailure& failed, const WorldReport& world) {
+  return {failed.error == EBADMSG     ? EX_DATAERR
+          : failed.error == EBUSY     ? EX_UNAVAILABLE
+          : failed.error == EOVERFLOW ? EX_CONFIG
+          : world.is_read_only        ? EX_NOINPUT
+                                      : EX_CANTCREAT,
+          fmt::format("world file {}: {}; a world file is needed{} (--world, world.file)", world.file, failed.text,
+                      world.is_read_only ? ", with a map to find the way in" : ", or a path where one can be made")};
+}
+
 /// Poses are kept for a save at the end, or for one that somebody asks for: on a disk, where there is no folder.
 std::filesystem::path folder_for_poses(const DaemonOptions& options) {
   const bool can_be_asked = !options.params.control.socket.empty() && has_filter(options.stages);
@@ -151,13 +161,7 @@ Lack Machine::open() {
     }
   }
   if (const FileFailure failed = publisher_.open_world(); failed.any()) {
-    return {
-        failed.error == EBADMSG     ? EX_DATAERR
-        : failed.error == EBUSY     ? EX_UNAVAILABLE
-        : failed.error == EOVERFLOW ? EX_CONFIG
-                                    : EX_CANTCREAT,
-        fmt::format("world file {}: {}; a world file is needed, or a path where one can be made (--world, world.file)",
-                    publisher_.world()->report().file, failed.text)};
+    return lack_of_world(failed, publisher_.world()->report());
   }
   const Errc error = publisher_.link().open();
   if (error == Errc::kBadAddress) {

@@ -8,35 +8,34 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<const char*, 27> kReasonTexts{
-    "no scans",
-    "the laser cannot be opened",
-    "scans are refused",
-    "the laser sees nothing",
-    "the laser repeats the same scan",
-    "scans do not match each other",
-    "degenerate scene: one direction is unconstrained",
-    "scans do not match the map",
-    "scans or records are dropped, or updates cut short",
-    "a deadline was missed",
-    "real-time scheduling or locked memory is refused",
-    "a file cannot be written",
-    "the map is full",
-    "LCM messages cannot be sent (is the network up?)",
-    "a stage does not answer",
-    "datagrams were lost",
-    "mapping is paused",
-    "emergency stop",
-    "a GPIO line or the sync pulse is missing",
-    "the tilt servo does not obey",
-    "the laser is not level",
-    "the 3D map is full",
-    "answers of the tilt servo are missing or wrong",
-    "motions received over LCM are refused",
-    "LCM messages are refused that are not authentic (lcm.key_file)"
-    " or not new",
-    "the laser sweeps as it was told, and poses come when it is level",
-    "it is not sure yet where the robot is in the world that it continues"};
+constexpr std::array<const char*, 27> kReasonTexts{"no scans",
+                                                   "the laser cannot be opened",
+                                                   "scans are refused",
+                                                   "the laser sees nothing",
+                                                   "the laser repeats the same scan",
+                                                   "scans do not match each other",
+                                                   "degenerate scene: one direction is unconstrained",
+                                                   "scans do not match the map",
+                                                   "scans or records are dropped, or updates cut short",
+                                                   "a deadline was missed",
+                                                   "real-time scheduling or locked memory is refused",
+                                                   "a file cannot be written",
+                                                   "the map is full",
+                                                   "LCM messages cannot be sent (is the network up?)",
+                                                   "a stage does not answer",
+                                                   "datagrams were lost",
+                                                   "mapping is paused",
+                                                   "emergency stop",
+                                                   "a GPIO line or the sync pulse is missing",
+                                                   "the tilt servo does not obey",
+                                                   "the laser is not level",
+                                                   "the 3D map is full",
+                                                   "answers of the tilt servo are missing or wrong",
+                                                   "motions received over LCM are refused",
+                                                   "LCM messages are refused that are not authentic (lcm.key_file)"
+                                                   " or not new",
+                                                   "the laser sweeps as it was told, and poses come when it is level",
+                                                   "it is not sure yet where the robot is in the world of its file"};
 
 }  // namespace
 

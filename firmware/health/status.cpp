@@ -9,6 +9,7 @@
 
 #include "firmware/health/health_text.hpp"
 #include "firmware/records/robot_pose.hpp"
+#include "firmware/world/world_params.hpp"
 
 namespace odoless {
 namespace {
@@ -87,6 +88,10 @@ std::string world_text(const WorldReport& world) {
       world.scans_lost + world.keyframes_lost > 0
           ? fmt::format("; lost: {} keyframes, the poses of {} scans", world.keyframes_lost, world.scans_lost)
           : "";
+  if (world.is_read_only) {
+    return fmt::format("world: {}, {}, revision {}: it stays as it is, and the robot finds its way in it\n", world.file,
+                       world.uuid, world.revision);
+  }
   return world.error == 0
              ? fmt::format("world: {}, {}, revision {}, session {}: {} keyframes, written {:.1f} s ago{}\n", world.file,
                            world.uuid, world.revision, world.session, world.keyframes, world.age_s, lost)
@@ -96,6 +101,7 @@ std::string world_text(const WorldReport& world) {
 
 Json world_json(const WorldReport& world) {
   return {{"file", world.file},
+          {"mode", kWorldUseNames[world.is_read_only ? 1 : 0]},
           {"uuid", world.uuid},
           {"revision", world.revision},
           {"session", world.session},

@@ -20,6 +20,11 @@ namespace {
 constexpr int kNice = 10;
 constexpr std::int64_t kRest = 3;  // times the CPU time of a step
 
+/// The part of the world that the map is of.
+int mapped_part(const SubmapGraph& graph) {
+  return graph.anchor() < graph.graph().size() ? graph.graph().component(graph.anchor()) : graph.anchor();
+}
+
 }  // namespace
 
 GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossless)
@@ -38,14 +43,15 @@ GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossles
   }
 }
 
-bool GraphFeed::resume(const SubmapWorld& world, const std::optional<PlaceBySubmap>& last) {
-  const bool has_room = graph_->resume(world);
+bool GraphFeed::resume(const SubmapWorld& world, WorldUse use, const std::optional<PlaceBySubmap>& last) {
+  const bool has_room = graph_->resume(world, use);
   if (last) {
     graph_->expect(*last);
   }
   report();
   health_.place = place_;
-  drawn_anchor_ = graph_->anchor();
+  drawn_part_ = mapped_part(*graph_);
+  is_localising_ = graph_->is_localising();
   return has_room;
 }
 
@@ -124,12 +130,12 @@ bool GraphFeed::draw() {
   if (drawn_revision_ != graph_->revision() || drawn_keyframes_ != graph_->keyframes().size()) {
     drawn_revision_ = graph_->revision();
     drawn_keyframes_ = graph_->keyframes().size();
-    if (std::exchange(drawn_anchor_, graph_->anchor()) != graph_->anchor()) {
+    if (const int part = mapped_part(*graph_); std::exchange(drawn_part_, part) != part) {
       make_tiles();  // the map may be of another part now
     }
-    tiles_->update(graph_->world());
+    tiles_->update(graph_->map());
   }
-  const bool has_more = tiles_->work(graph_->world());
+  const bool has_more = tiles_->work(graph_->map());
   has_untold_ = !hand_on();
   return has_more;
 }
@@ -185,7 +191,7 @@ void GraphFeed::place(PoseRecord& pose) {
 
 bool GraphFeed::expect(const Pose2& map_T_scan) {
   const std::lock_guard lock(queue_mutex_);
-  if (health_.place == WorldPlaceKnown::kSure) {
+  if (health_.place == WorldPlaceKnown::kSure && !is_localising_) {
     return false;
   }
   expected_map_T_scan_ = map_T_scan;
@@ -212,7 +218,7 @@ bool GraphFeed::take() {
       const std::lock_guard graph_lock(graph_mutex_);
       if (job.keyframe.map_number != map_number_) {
         map_number_ = job.keyframe.map_number;
-        begin_anew();
+        is_localising_ ? graph_->begin_path_anew(false) : begin_anew();
       }
       if (expected) {
         graph_->expect(*expected);
@@ -235,7 +241,7 @@ void GraphFeed::make_tiles() {
 void GraphFeed::begin_anew() {
   graph_.emplace(params_.graph, params_.limits, params_.scan, seed_);
   make_tiles();
-  drawn_anchor_ = 0;
+  drawn_part_ = 0;
   drawn_revision_ = drawn_keyframes_ = 0;
   const std::lock_guard lock(queue_mutex_);
   filter_.emplace(params_.graph);
@@ -250,9 +256,9 @@ void GraphFeed::report() {
              .keyframes_left_out = left_out_,
              .map_T_odom = health_.map_T_odom,
              .place = health_.place};
-  place_ = graph_->is_in_world() ? WorldPlaceKnown::kSure
-           : graph_->guess()     ? WorldPlaceKnown::kGuessed
-                                 : WorldPlaceKnown::kNo;
+  place_ = graph_->is_in_world()  ? WorldPlaceKnown::kSure
+           : graph_->is_guessed() ? WorldPlaceKnown::kGuessed
+                                  : WorldPlaceKnown::kNo;
   placed_number_ = map_number_;
   filter_->update(*graph_);
 }
@@ -291,9 +297,9 @@ std::optional<TrajectoryCorrection> GraphFeed::write(bool is_last, OccupancyMap&
     return std::nullopt;
   }
   WorldMap world(params_.slam.low.beam, params_.slam.low.grid.resolution_m);
-  world.render(graph_->world(), params_.scan);
+  world.render(graph_->map(), params_.scan);
   world.write(map);
-  return TrajectoryCorrection(graph_->submaps(), graph_->graph(), graph_->first_submap());
+  return graph_->correction();
 }
 
 }  // namespace odoless

@@ -37,9 +37,9 @@ class GraphFeed {
 
   /// @param lossless  No keyframe is left out: `add` waits.
   GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossless);
-  /// Before it starts: continues a world, which is copied. @param last  Where the robot was, as a guess.
+  /// Before it starts: goes on with a world, which is copied. @param last  Where the robot was, as a guess.
   /// @return  Whether there is room for it.
-  [[nodiscard]] bool resume(const SubmapWorld& world, const std::optional<PlaceBySubmap>& last);
+  [[nodiscard]] bool resume(const SubmapWorld& world, WorldUse use, const std::optional<PlaceBySubmap>& last);
   /// Starts the thread. @return  0, or the errno for which there is none.
   [[nodiscard]] int start();
   ~GraphFeed();
@@ -48,14 +48,15 @@ class GraphFeed {
 
   /// Before the first keyframe: told each that is not left out, by who adds it.
   void tell(Observer observer) { observer_ = std::move(observer); }
-  /// Another map number than before begins anew. In a lossless replay it waits until all that comes of it is done, so
-  /// that corrections go in at the same scans however fast the machine is.
+  /// Another map number than before begins anew, or looks for the robot anew in a world that stays as it is. In a
+  /// lossless replay it waits until all that comes of it is done, so that corrections go in at the same scans however
+  /// fast the machine is.
   void add(const Keyframe& keyframe, std::span<const BeamCode> codes);
 
   /// Every pose, as the filter has it in its own map: where the world has that.
   void place(PoseRecord& pose);
-  /// While it is not known where the robot is in the world that it continues: it may be there. @return  Whether that is
-  /// so.
+  /// While it is not known where the robot is in the world that it continues, or always where that stays as it is: the
+  /// robot may be there. @return  Whether that is so.
   bool expect(const Pose2& map_T_scan);
   /// A pose of the world in the filter's own map, by the submap that is nearest to it.
   [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const;
@@ -128,8 +129,9 @@ class GraphFeed {
   std::optional<WorldTiles> tiles_;   ///< likewise
   std::int64_t drawn_revision_ = 0;
   int drawn_keyframes_ = 0;
-  int drawn_anchor_ = 0;
+  int drawn_part_ = 0;
   int map_number_ = 0;
+  bool is_localising_ = false;  ///< from before it starts
   bool is_finished_ = false;
   RealTimeThread thread_;
 };

@@ -9,17 +9,18 @@
 
 namespace odoless {
 
-FileFailure ContinuedWorld::read(WorldFile& file, const RobotParams& params) {
+FileFailure ContinuedWorld::read(WorldFile& file, const RobotParams& params, WorldUse use) {
   WorldReading reading = read_world(file, params);
   if (!reading.world) {
     return {EBADMSG, std::move(reading.wrong)};
   }
   const StoredWorld& world = *reading.world;
+  const bool is_read_only = use == WorldUse::kLocalise;
   if (world.submaps.empty()) {
-    return {};
+    return is_read_only ? FileFailure{EBADMSG, "there is no map in it yet"} : FileFailure{};
   }
   const bool is_all_in_file = static_cast<int>(world.submaps.size()) == world.submaps_in_file;
-  FileFailure failed = is_all_in_file ? FileFailure{} : file.renew_graph(world);
+  FileFailure failed = is_all_in_file || is_read_only ? FileFailure{} : file.renew_graph(world);
   if (!failed.any()) {
     mirror_ = WorldMirror(world.world());
     stored_ = std::move(reading.world);

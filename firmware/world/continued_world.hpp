@@ -5,21 +5,23 @@
 #include <string>
 
 #include "config/robot_params.hpp"
+#include "core/graph/submap_graph.hpp"
 #include "firmware/world/world_contents.hpp"
 #include "firmware/world/world_file.hpp"
 #include "firmware/world/world_mirror.hpp"
 
 namespace odoless {
 
-/// A world that a new run goes on with: what its file has, and where the new run's numbers begin.
+/// A world that a new run goes on with: what its file has, and where the new run's numbers begin there.
 ///
 /// Thread: owned by one thread. Not for real-time threads.
 class ContinuedWorld {
  public:
-  /// Reads a file that is open to write. Keyframes that a run left in no submap, as after a power cut or a reset, are
-  /// made into submaps, in the file too.
-  /// @param params  How these are made. Errors: EBADMSG where the file cannot be gone on with.
-  FileFailure read(WorldFile& file, const RobotParams& params);
+  /// Reads a file that is open. Keyframes that a run left in no submap, as after a power cut or a reset, are made into
+  /// submaps, in the file too where that is open to write.
+  /// @param params  How these are made. @param use  To localise, there must be a map.
+  /// Errors: EBADMSG where the file cannot be gone on with.
+  FileFailure read(WorldFile& file, const RobotParams& params, WorldUse use);
 
   /// Nothing: the file has no submap yet, or it was forgotten.
   [[nodiscard]] const StoredWorld* stored() const { return stored_.get(); }

@@ -26,6 +26,7 @@ WorldKeeper::WorldKeeper(const WorldParams& params, SessionRecord session, int k
       keyframes_max_(keyframes_max),
       thread_({.name = "odo-world", .stack_bytes = kStack_bytes}) {
   report_.file = params.file;
+  report_.is_read_only = is_read_only();
   // Memory that was used once stays with the process (MemoryLock).
   std::vector<std::byte> scratch(kScratch_bytes);
   static_cast<volatile std::byte&>(scratch.back()) = {};
@@ -39,25 +40,29 @@ WorldKeeper::~WorldKeeper() {
 }
 
 FileFailure WorldKeeper::open(GraphFeed& graph) {
-  FileFailure failed = file_.open_to_write(params_.file, session_.program);
+  FileFailure failed =
+      is_read_only() ? file_.open_to_read(params_.file) : file_.open_to_write(params_.file, session_.program);
   ContinuedWorld world;
-  failed = failed.any() ? failed : world.read(file_, graph.params());
+  failed = failed.any() ? failed : world.read(file_, graph.params(), params_.mode);
   if (const StoredWorld* const stored = world.stored(); !failed.any() && stored != nullptr) {
     mirror_ = world.mirror();
     continued_ = mirror_.keyframes();
-    if (!graph.resume(stored->world(), last_place(*stored))) {
+    if (!graph.resume(stored->world(), params_.mode, last_place(*stored))) {
       failed = {EOVERFLOW, no_room_sentence(*stored, graph.params().graph)};
     }
   }
   report_.uuid = file_.identity().uuid;
   report_.revision = file_.identity().revision;
   written_ns_ = monotonic_ns();
+  if (is_read_only()) {
+    file_.close();
+  }
   return failed;
 }
 
 int WorldKeeper::start(GraphFeed& graph) {
   graph_ = &graph;
-  return thread_.start([this] { run(); });
+  return is_read_only() ? 0 : thread_.start([this] { run(); });
 }
 
 void WorldKeeper::end(Stage stage) {
@@ -95,6 +100,9 @@ WorldKeeper::Batch& WorldKeeper::batch_of(int map_number) {
 
 void WorldKeeper::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
   const std::lock_guard lock(mutex_);
+  if (is_read_only()) {
+    return;
+  }
   Batch& batch = batch_of(keyframe.map_number);
   if (batch.seen == keyframes_max_) {
     return;  // the pose graph takes no more either
@@ -108,6 +116,9 @@ void WorldKeeper::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
 
 void WorldKeeper::add(const StampedPose& odom_T_scan, int map_number) {
   const std::lock_guard lock(mutex_);
+  if (is_read_only()) {
+    return;
+  }
   std::vector<StampedPose>& odometry = batch_of(map_number).odometry;
   if (odometry.size() >= kOdometry_max) {
     constexpr std::ptrdiff_t kPart = kOdometry_max / 16;
@@ -258,7 +269,7 @@ void WorldKeeper::note(const FileFailure& failed) {
 WorldReport WorldKeeper::report() const {
   const std::lock_guard lock(mutex_);
   WorldReport report = report_;
-  report.age_s = static_cast<double>(monotonic_ns() - written_ns_) * 1e-9;
+  report.age_s = is_read_only() ? 0.0 : static_cast<double>(monotonic_ns() - written_ns_) * 1e-9;
   return report;
 }
 

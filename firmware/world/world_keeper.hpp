@@ -25,6 +25,8 @@ namespace odoless {
 /// Where the file cannot be written, mapping goes on: what is missing is taken from the pose graph, which has it in any
 /// case, as soon as there is room. Of the poses of scans the last kOdometry_max wait, half an hour at 40 Hz.
 ///
+/// A world that the robot only finds its way in is read, and that is all: there is no thread.
+///
 /// Memory is bounded. Thread: `add` is the publisher's; `begin_end`, `is_ending` and `report` are any's.
 class WorldKeeper {
  public:
@@ -39,7 +41,7 @@ class WorldKeeper {
   WorldKeeper(const WorldKeeper&) = delete;
   WorldKeeper& operator=(const WorldKeeper&) = delete;
 
-  /// Opens the file, or makes it, before anything runs, and has the graph go on with what is in it.
+  /// Opens the file, or makes it where it may grow, before anything runs, and has the graph go on with what is in it.
   /// Errors: EOVERFLOW where that has no room for it.
   FileFailure open(GraphFeed& graph);
   /// Starts the thread. @param graph  Must outlive it. @return  0, or the errno for which there is none.
@@ -70,6 +72,7 @@ class WorldKeeper {
 
   enum class Stage : std::uint8_t { kRunning, kToEnd, kLeft, kEnded };
 
+  [[nodiscard]] bool is_read_only() const { return params_.mode == WorldUse::kLocalise; }
   void run();
   void end(Stage stage);
   void finish();

@@ -8,6 +8,7 @@ namespace odoless {
 /// How a world file is kept up.
 struct WorldReport {
   std::string file;
+  bool is_read_only = false;  ///< the robot only finds its way in it
   std::string uuid;
   std::int64_t revision = 0;
   std::int64_t session = 0;         ///< number in the file; 0: not yet in it

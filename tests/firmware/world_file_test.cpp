@@ -193,7 +193,7 @@ TEST_F(World, IsGoneOnWith) {
   WorldFile file;
   ASSERT_FALSE(file.open_to_write(path(), "1").any());
   ContinuedWorld continued;
-  const FileFailure failed = continued.read(file, params());
+  const FileFailure failed = continued.read(file, params(), WorldUse::kContinue);
   ASSERT_FALSE(failed.any()) << failed.text;
   ASSERT_NE(continued.stored(), nullptr);
   EXPECT_EQ(continued.stored()->submaps.size(), graph_.submaps().size());
@@ -231,7 +231,7 @@ TEST_F(World, IsGoneOnWithAfterASessionThatEndedInASubmap) {
   WorldFile file;
   ASSERT_FALSE(file.open_to_write(path(), "1").any());
   ContinuedWorld continued;
-  const FileFailure failed = continued.read(file, params());
+  const FileFailure failed = continued.read(file, params(), WorldUse::kContinue);
   ASSERT_FALSE(failed.any()) << failed.text;
   SubmapGraph third(params().graph, RobotLimits{}, ScanParams{}, 1);
   ASSERT_TRUE(third.resume(continued.stored()->world()));

@@ -54,6 +54,7 @@ struct LogJob {
   bool strict = false;
   bool force = false;
   bool mcap = false;
+  bool localise = false;
   ReplayOptions options;
 };
 
@@ -181,6 +182,10 @@ void write_replay(const LogJob& job, const std::filesystem::path& folder, const 
       write_map_picture(folder / "pose_graph.png", result.map, graph_to_draw(*result.graph),
                         title_of(job) + ": pose graph");
     }
+    if (!job.world.empty()) {
+      summary["unlocated_scans"] = result.unlocated_scans;
+      summary["guessed_scans"] = result.guessed_scans;
+    }
     summary["submaps"] = result.graph->size();
     summary["loop_closures"] = result.closures.accepted - result.closures.taken_out;
     summary["loop_closures_taken_out"] = result.closures.taken_out;
@@ -196,20 +201,27 @@ void write_replay(const LogJob& job, const std::filesystem::path& folder, const 
   write_summary(folder, summary);
 }
 
-/// Where a world file is asked for: the pose graph goes there in the end. It is opened now, before the work.
+/// Where a world file is asked for: the pose graph goes there in the end, unless it stays as it is. It is opened now,
+/// before the work.
 void keep_world(const LogJob& job, const RobotParams& params, ReplayOptions& options) {
   if (job.world.empty()) {
+    if (job.localise) {
+      throw UsageError("--localise needs the world to find the way in: --world FILE");
+    }
     return;
   }
   if (!params.graph.enabled) {
     throw UsageError("--world needs the pose graph, and graph.enabled is false");
   }
-  auto file = std::make_shared<WorldOutput>(job.world, ODOLESS_VERSION, params);
+  options.world_use = job.localise ? WorldUse::kLocalise : WorldUse::kContinue;
+  auto file = std::make_shared<WorldOutput>(job.world, ODOLESS_VERSION, params, options.world_use);
   options.world = file->world();
   options.on_graph = [file = std::move(file), session = SessionRecord{utc_text(), ODOLESS_VERSION, write_toml(params),
                                                                       static_cast<std::int64_t>(job.options.seed)}](
                          const SubmapGraph& graph, std::span<const StampedPose> odom) {
-    file->write(session, graph, odom);
+    if (!graph.is_localising()) {
+      file->write(session, graph, odom);
+    }
   };
 }
 
@@ -310,6 +322,7 @@ void add_replay(CLI::App& app) {
   command->add_option("--truth", job->truth, "True poses, only drawn into the picture: TUM, `stamp x y yaw`, or a log");
   command->add_option("--world", job->world,
                       "World file to add this replay to as a session; made where it is not there");
+  command->add_flag("--localise", job->localise, "Leave the world of --world as it is, and only find the way in it");
   command->add_flag("--mcap", job->mcap,
                     "Write replay.mcap, for Foxglove or ROS 2: scans, poses, frames, health, map and path");
   command->add_option("--web", job->web, "ADDRESS:PORT of a page that shows the replay, until interrupted");

@@ -8,7 +8,6 @@
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <vector>
 
 #include "config/config.hpp"
@@ -185,10 +184,11 @@ std::size_t chosen_session(const WorldJob& job, const StoredWorld& world) {
 }
 
 std::vector<StampedPose> trajectory_of(const StoredWorld& world, const StoredSession& session) {
-  std::vector<int> submaps(static_cast<std::size_t>(session.submaps));
-  std::iota(submaps.begin(), submaps.end(), session.first_submap);
-  const WorldPart part = part_of(world, submaps);
-  TrajectoryCorrection correction(part.submaps, part.graph);
+  TrajectoryCorrection correction;
+  for (int i = session.first_submap; i < session.first_submap + session.submaps; ++i) {
+    const Submap& submap = world.submaps[static_cast<std::size_t>(i)];
+    correction.add({submap.odom_T_submap, world.graph.pose(i), submap.origin_stamp_ns});
+  }
   std::vector<StampedPose> poses = session.odometry;
   correction.survey(poses);
   correction.correct(poses);

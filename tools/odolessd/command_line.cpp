@@ -34,6 +34,7 @@ struct Arguments {
   std::string config;
   std::string out;
   std::string world;
+  bool localise = false;
   std::string stages = "sensor,matcher,filter";
   std::string replay;
   double rate = 0.0;
@@ -56,6 +57,7 @@ void define(CLI::App& app, Arguments& arguments) {
       "`odoless ctl save`; `latest` leads to it");
   app.add_option("--world", arguments.world,
                  "World file that keyframes, submaps and the pose graph are kept in; made where it is not there");
+  app.add_flag("--localise", arguments.localise, "Leave the world of --world as it is, and only find the way in it");
   app.add_option("--stages", arguments.stages,
                  "Stages that run here; the others run elsewhere: " + std::string(kStageSets))
       ->capture_default_str();
@@ -98,6 +100,9 @@ DaemonOptions options_of(const Arguments& arguments) {
   }
   if (!arguments.world.empty()) {
     options.params.world.file = arguments.world;
+  }
+  if (arguments.localise) {
+    options.params.world.mode = WorldUse::kLocalise;
   }
   if (const std::string wrong = options.params.contradiction(); !wrong.empty()) {
     throw ConfigError({wrong});

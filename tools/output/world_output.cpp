@@ -13,12 +13,17 @@ constexpr const char* kRight = "a world file of `odolessd --world` or `odoless r
 
 }  // namespace
 
-WorldOutput::WorldOutput(std::filesystem::path path, const std::string& program, const RobotParams& params)
+WorldOutput::WorldOutput(std::filesystem::path path, const std::string& program, const RobotParams& params,
+                         WorldUse use)
     : path_(std::move(path)) {
-  FileFailure failed = file_.open_to_write(path_, program);
-  failed = failed.any() ? failed : world_.read(file_, params);
+  const bool is_read_only = use == WorldUse::kLocalise;
+  FileFailure failed = is_read_only ? file_.open_to_read(path_) : file_.open_to_write(path_, program);
+  failed = failed.any() ? failed : world_.read(file_, params, use);
   if (failed.error == EBADMSG) {
     throw DataError(path_.string(), 0, failed.text, kRight);
+  }
+  if (failed.any() && is_read_only) {
+    throw NoInputError(path_.string() + ": " + failed.text);
   }
   if (failed.any()) {
     throw CannotCreateError(path_.string() + ": " + failed.text);

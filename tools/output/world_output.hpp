@@ -11,11 +11,14 @@
 
 namespace odoless {
 
-/// A world file that a run's pose graph goes to, as a session of its own, and that it goes on with.
+/// A world file that a run's pose graph goes to, as a session of its own, and that it goes on with; or one that it only
+/// finds its way in.
 class WorldOutput {
  public:
-  /// Opens it, or makes it. @param program  Version. @throws CannotCreateError, DataError.
-  WorldOutput(std::filesystem::path path, const std::string& program, const RobotParams& params);
+  /// Opens it, or makes it where it may grow. @param program  Version.
+  /// @throws CannotCreateError, NoInputError, DataError.
+  WorldOutput(std::filesystem::path path, const std::string& program, const RobotParams& params,
+              WorldUse use = WorldUse::kContinue);
 
   /// What the file has; null: nothing yet.
   [[nodiscard]] const StoredWorld* world() const { return world_.stored(); }

@@ -17,9 +17,9 @@ class GraphRun {
   GraphRun(const RobotParams& params, std::uint64_t seed)
       : gate_(params.graph), graph_(params.graph, params.limits, params.scan, seed), place_(params.graph) {}
 
-  /// Before the first scan: continues a world. @return  Whether there is room for it.
-  [[nodiscard]] bool resume(const StoredWorld& world) {
-    const bool has_room = graph_.resume(world.world());
+  /// Before the first scan: goes on with a world. @return  Whether there is room for it.
+  [[nodiscard]] bool resume(const StoredWorld& world, WorldUse use) {
+    const bool has_room = graph_.resume(world.world(), use);
     if (const std::optional<PlaceBySubmap> last = last_place(world)) {
       graph_.expect(*last);
     }
@@ -41,6 +41,7 @@ class GraphRun {
     step.map_T_scan = step.map_T_odom * motion.odom_T_current;
   }
 
+  [[nodiscard]] const SubmapGraph& graph() const { return graph_; }
   /// The graph when the run is over.
   [[nodiscard]] const SubmapGraph& finished() {
     graph_.finish();

@@ -85,6 +85,13 @@ class Recorder {
     last_index_ = index;
   }
 
+  /// Whether it is known by now where the robot is in the world.
+  void count_place(const SubmapGraph& graph) {
+    if (!graph.is_in_world()) {
+      ++(graph.is_guessed() ? result_.guessed_scans : result_.unlocated_scans);
+    }
+  }
+
   [[nodiscard]] ReplayResult finish(Slam& filter) {
     filter.finish();
     std::vector<StampedPose> path;
@@ -147,7 +154,7 @@ void finish(const SubmapGraph& graph, const RobotParams& params, std::span<const
             ReplayResult& result) {
   result.trajectory = graph.corrected(odom);
   WorldMap map(params.slam.low.beam, params.slam.low.grid.resolution_m);
-  map.render(graph.world(), params.scan);
+  map.render(graph.map(), params.scan);
   map.write(result.map);
   result.graph = graph.graph();
   result.closures = graph.counts();
@@ -165,7 +172,7 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
   std::vector<StampedPose> odom;
   if (params.graph.enabled) {
     graph.emplace(params, options.seed);
-    if (options.world != nullptr && !graph->resume(*options.world)) {
+    if (options.world != nullptr && !graph->resume(*options.world, options.world_use)) {
       throw UsageError("the world has no room: " + no_room_sentence(*options.world, params.graph));
     }
   }
@@ -182,6 +189,9 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
         odom.push_back({step.stamp_ns, step.motion.odom_T_current});
       }
       recorder.add(used[i], step, chain.frame().time_ns());
+      if (graph) {
+        recorder.count_place(graph->graph());
+      }
       if (watcher) {
         watcher(step, raw, chain);
       }

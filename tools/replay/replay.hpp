@@ -29,6 +29,7 @@ struct ReplayOptions {
   std::uint64_t seed = 1;
   GraphWatcher on_graph{};             ///< may be empty
   const StoredWorld* world = nullptr;  ///< that the pose graph goes on with; null: none
+  WorldUse world_use = WorldUse::kContinue;
 };
 
 /// Called after each scan that was accepted, with what the stages made of it; may be empty.
@@ -51,6 +52,8 @@ struct ReplayResult {
   int outside_scans = 0;      ///< whose beams reach beyond the grid
   double missing_s = 0.0;     ///< in gaps of more than a second between two scans
   int filter_updates = 0;
+  int unlocated_scans = 0;                       ///< taken while nothing was known of where in the world
+  int guessed_scans = 0;                         ///< taken while that was a guess
   int lost_scans = 0;                            ///< taken while the robot was lost
   int doubtful_scans = 0;                        ///< whose pose was not sure, nor lost
   int relocalisations = 0;                       ///< times that it was found again

@@ -114,17 +114,24 @@ class Drive {
   double yaw_variance_rad2 = 1e-5;  ///< of a motion, as the odometry claims
   std::optional<Pose2> filter;      ///< the particle filter is off by this; none: it has what the odometry has
 
+  /// Elsewhere from one scan to the next, which the odometry knows nothing of.
+  void carry(const Pose2& world_T_scan) {
+    was_carried_ = true;
+    see(world_T_scan);
+  }
+
  private:
   void see(const Pose2& world_T_scan) {
     constexpr std::int64_t kPeriod_ns = 200'000'000;
     const auto stamp_ns = static_cast<std::int64_t>(poses.size()) * kPeriod_ns;
     Motion motion;
     if (!poses.empty()) {
-      const Pose2 way = poses.back().inverse() * world_T_scan;
+      const Pose2 way = was_carried_ ? Pose2{} : poses.back().inverse() * world_T_scan;
       const double length_m = way.distance_m({});
       const Pose2 drifted = way * Pose2{length_m * drift_per_m_.x_m, 0.0, length_m * drift_per_m_.yaw_rad};
       motion = Motion::between(stamp_ns - kPeriod_ns, stamp_ns, drifted);
       motion.set_error(ErrorProcess::independent(drifted, Eigen::Vector3d(1e-4, 1e-4, yaw_variance_rad2).asDiagonal()));
+      motion.probability = std::exchange(was_carried_, false) ? 0.0 : motion.probability;
       motion.odom_T_current = odom.back().map_T_scan * drifted;
     }
     poses.push_back(world_T_scan);
@@ -139,6 +146,7 @@ class Drive {
 
   SimulatedScene scene_;
   Pose2 drift_per_m_;
+  bool was_carried_ = false;
   Rng rng_{1};
 };
 

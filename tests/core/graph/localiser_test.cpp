@@ -143,5 +143,80 @@ TEST(Localiser, RefusesAWorldThatIsLargerThanItsRoom) {
   EXPECT_FALSE(graph.resume(mapped().graph.world()));
 }
 
+/// A run that only finds its way in that world.
+struct Localising : Drive {
+  explicit Localising(SimulatedScene scene = ring(18.0, 10.0)) : Drive(std::move(scene), {0.002, 0.0, 0.0002}) {
+    EXPECT_TRUE(graph.resume(mapped().graph.world(), WorldUse::kLocalise));
+  }
+  [[nodiscard]] double error_m() const {
+    return (graph.guess().value_or(graph.map_T_odom()) * odom.back().map_T_scan)
+        .distance_m(mapped().poses.front().inverse() * poses.back());
+  }
+};
+
+TEST(Localising, FindsTheWayForAsLongAsOneLikesInTheSameMemoryAndTheWorldStaysAsItIs) {
+  Localising run;
+  run.drive({{-10.5, 2.0}, {-10.5, -6.5}});
+  double worst_m = 0.0;
+  for (int i = 0; i < 5; ++i) {
+    for (std::size_t k = 1; k < kRound.size(); ++k) {
+      run.drive({kRound[k - 1], kRound[k]});
+      worst_m = run.graph.is_joined() ? std::max(worst_m, run.error_m()) : worst_m;
+    }
+  }
+  ASSERT_TRUE(run.graph.is_joined());
+  EXPECT_LT(worst_m, 0.15);
+  EXPECT_GT(run.graph.forgotten(), 10);
+  EXPECT_LE(run.graph.submaps().size() - run.graph.first_submap(), 42U);
+  EXPECT_LT(run.graph.keyframes().size() - run.graph.first_keyframe(), 42 * GraphParams{}.submap_keyframes);
+  const SubmapWorld world = run.graph.map();
+  ASSERT_EQ(world.submaps.size(), mapped().graph.submaps().size());
+  for (std::size_t i = 0; i < world.submaps.size(); ++i) {
+    const Pose2 before = mapped().graph.graph().pose(static_cast<int>(i));
+    const Pose2 after = run.graph.graph().pose(static_cast<int>(i));
+    EXPECT_TRUE(before.x_m == after.x_m && before.y_m == after.y_m && before.yaw_rad == after.yaw_rad) << i;
+  }
+  run.graph.finish();
+  const std::vector<StampedPose> path = run.graph.corrected(run.odom);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    ASSERT_LT(path[i].map_T_scan.distance_m(mapped().poses.front().inverse() * run.poses[i]), 0.25) << i;
+  }
+}
+
+TEST(Localising, WhereItIsNeverFoundItTakesNoMoreMemory) {
+  Localising run(hotel());
+  for (int i = 0; i < 3; ++i) {
+    run.drive({{1.0, 0.0}, {50.0, 0.0}});
+    run.drive({{50.0, 0.0}, {1.0, 0.0}});
+    EXPECT_FALSE(run.graph.is_in_world());
+  }
+  EXPECT_GT(run.graph.forgotten(), 10);
+  EXPECT_LE(run.graph.submaps().size() - run.graph.first_submap(), 42U);
+}
+
+TEST(Localising, APoseThatSomebodySaysIsTriedAndNotBelieved) {
+  Localising run;
+  run.drive({{-10.5, 2.0}, {-10.5, -6.5}, {10.5, -6.5}, {10.5, -2.0}});
+  ASSERT_TRUE(run.graph.is_joined());
+  run.graph.expect(mapped().poses.front().inverse() * Pose2{-10.5, -3.0, 0.0});
+  EXPECT_FALSE(run.graph.is_joined());
+  EXPECT_TRUE(run.graph.is_guessed());
+  EXPECT_LT(run.error_m(), 0.2) << "until something speaks for it";
+  run.drive({{10.5, -2.0}, {10.5, 6.5}, {-10.5, 6.5}, {-10.5, 0.0}});
+  EXPECT_TRUE(run.graph.is_joined());
+  EXPECT_LT(run.error_m(), 0.15);
+}
+
+TEST(Localising, ARobotThatWasCarriedIsLookedForAgain) {
+  Localising run;
+  run.drive({{-10.5, 2.0}, {-10.5, -6.5}, {10.5, -6.5}, {10.5, -2.0}});
+  ASSERT_TRUE(run.graph.is_joined());
+  run.carry({-10.5, -2.0, -1.5});
+  EXPECT_FALSE(run.graph.is_joined());
+  run.drive({{-10.5, -2.0}, {-10.5, -6.5}, {10.5, -6.5}, {10.5, 2.0}});
+  EXPECT_TRUE(run.graph.is_joined());
+  EXPECT_LT(run.error_m(), 0.15);
+}
+
 }  // namespace
 }  // namespace odoless
