@@ -163,6 +163,7 @@ void HealthMonitor::copy_figures(const SensorReport& sensor, const MatcherReport
   report_.checkpoint_age_s = surroundings.checkpoint_age_s;
   report_.cloud = surroundings.cloud;
   report_.graph = surroundings.graph;
+  report_.world = surroundings.world;
 }
 
 }  // namespace odoless

@@ -49,6 +49,7 @@ struct Surroundings {
   double checkpoint_age_s = -1.0;
   std::optional<CloudHealth> cloud{};
   std::optional<GraphHealth> graph{};
+  std::optional<WorldHealth> world{};
 };
 
 /// Makes the health report of what the stages say: the state, its reasons, and every figure.

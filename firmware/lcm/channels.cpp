@@ -23,6 +23,7 @@ Channels::Channels(std::string_view prefix) {
   map = named("MAP");
   health = named("HEALTH");
   cloud_health = named("CLOUD_HEALTH");
+  world = named("WORLD");
   lrf_status = named("LRF_STATUS");
   scan_points = named("SCAN_POINTS");
   cloud = named("CLOUD");

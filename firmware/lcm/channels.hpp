@@ -34,6 +34,7 @@ struct Channels {
   std::string map;              ///< occ_map.pixel_map_t
   std::string health;           ///< odoless.health_t
   std::string cloud_health;     ///< odoless.cloud_health_t
+  std::string world;            ///< odoless.world_t
   std::string lrf_status;       ///< bot_core.sensor_status_t
   std::string scan_points;      ///< bot_core.pointcloud_t
   std::string cloud;            ///< bot_core.pointcloud_t, channels "key" and "edition"

@@ -72,6 +72,7 @@ struct LcmLink::Messages {
   occ_map::pixel_map_t map{};
   health_t health{};
   cloud_health_t cloud_health{};
+  world_t world{};
   bot_core::sensor_status_t lrf_status{};
   bot_core::pointcloud_t points{};
   bot_core::pointcloud_t cloud{};
@@ -271,6 +272,10 @@ Errc LcmLink::publish(const HealthReport& health) {
   if (health.cloud) {
     to_message(*health.cloud, health.stamp_ns, messages_->cloud_health);
     error = first_error(error, send(channels_.cloud_health, messages_->cloud_health));
+  }
+  if (health.world) {
+    to_message(*health.world, health, messages_->world);
+    error = first_error(error, send(channels_.world, messages_->world));
   }
   to_message(health, laser_, messages_->lrf_status);
   return first_error(error, send(channels_.lrf_status, messages_->lrf_status));

@@ -233,6 +233,14 @@ void to_message(const HealthReport& health, health_t& message) {
   message.storage_error = health.storage_error;
 }
 
+void to_message(const WorldHealth& world, const HealthReport& health, world_t& message) {
+  message.utime = utime(health.stamp_ns);
+  message.uuid = world.uuid;
+  message.revision = world.revision;
+  message.read_only = world.is_read_only ? 1 : 0;
+  message.place = static_cast<std::int8_t>(health.graph ? health.graph->place : WorldPlaceKnown::kNo);
+}
+
 void to_message(const CloudHealth& cloud, std::int64_t stamp_ns, cloud_health_t& message) {
   message.utime = utime(stamp_ns);
   message.points = cloud.points;

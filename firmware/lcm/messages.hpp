@@ -15,6 +15,7 @@
 #include <odoless/map_tile_t.hpp>
 #include <odoless/motion_t.hpp>
 #include <odoless/pose_estimate_t.hpp>
+#include <odoless/world_t.hpp>
 #include <span>
 
 #include "core/geometry/pose2.hpp"
@@ -59,6 +60,7 @@ void to_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose
 void to_laser_message(const PoseRecord& pose, const Velocity& velocity, bot_core::pose_t& message);
 void to_message(const HealthReport& health, health_t& message);
 void to_message(const CloudHealth& cloud, std::int64_t stamp_ns, cloud_health_t& message);
+void to_message(const WorldHealth& world, const HealthReport& health, world_t& message);
 /// All but the data, which are compressed.
 void to_message(const MapTileRecord& tile, std::int32_t sequence, map_tile_t& message);
 /// `map_T_odom` of a pose.

@@ -237,6 +237,7 @@ void Publisher::watch(std::int64_t now_ns) {
   const int kept_error = recorder_.counters().last_error != 0 ? recorder_.counters().last_error : poses_.error();
   surroundings_.storage_error = kept_error != 0 ? kept_error : surroundings_.save_error;
   if (const WorldReport world = world_ ? world_->report() : WorldReport{}; world_) {
+    surroundings_.world = {world.uuid, world.revision, world.is_read_only};
     surroundings_.checkpoint_age_s = world.age_s;
     surroundings_.storage_error = world.error != 0 ? world.error : surroundings_.storage_error;
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "core/geometry/pose2.hpp"
 #include "core/scan/scan_time.hpp"
@@ -109,6 +110,13 @@ struct GraphHealth {
   WorldPlaceKnown place = WorldPlaceKnown::kSure;
 };
 
+/// The world of the file that a daemon has.
+struct WorldHealth {
+  std::string uuid{};
+  std::int64_t revision = 0;  ///< grows with each change of the map
+  bool is_read_only = false;  ///< the robot only finds its way in it
+};
+
 enum Stage : int { kSensorStage = 0, kMatcherStage = 1, kFilterStage = 2, kStages = 3 };
 
 /// The health message's content; `firmware/messages/health_t.lcm` is the same on the wire.
@@ -141,6 +149,7 @@ struct HealthReport {
   std::int32_t storage_error = 0;      ///< errno of the last failure, 0: none
   std::optional<CloudHealth> cloud{};  ///< none: there is no 3D map
   std::optional<GraphHealth> graph{};  ///< none: there is no pose graph
+  std::optional<WorldHealth> world{};  ///< none: there is no world file
   std::int64_t scans_not_level = 0;    ///< that 2D SLAM was not given, for the laser was tilted
 };
 

@@ -169,6 +169,11 @@ TEST_F(LcmLinkTap, ReportsHealthAndThatTheLaserLives) {
   EXPECT_EQ(cloud.used, 0.25);
   EXPECT_EQ(cloud.refused, 3);
   EXPECT_EQ(cloud.scans_left_out, 4);
+  const auto world = tap_.last<world_t>("ODOLESS_WORLD");
+  EXPECT_EQ(world.uuid, "8a1c");
+  EXPECT_EQ(world.revision, 17);
+  EXPECT_EQ(world.read_only, 1);
+  EXPECT_EQ(world.place, world_t::GUESSED);
   EXPECT_EQ(tap_.last<bot_core::sensor_status_t>("ODOLESS_LRF_STATUS").rate, 40.0);
   for (const auto& [laser, type] : {std::pair<LrfDriver, int>(LrfDriver::kScip, 3),
                                     {LrfDriver::kSick, 2},
@@ -314,10 +319,10 @@ TEST(LcmLink, SendsOneOfEachToWhoeverListens) {
   params.url = test::lcm_url();
   params.raw_bytes = true;
   const Channels c;
-  const std::vector<std::string> all{c.tilt,        c.scan,        c.lrf_raw_rx,      c.lrf_raw_tx,  c.motion,
-                                     c.pose,        c.laser_pose,  c.pose_covariance, c.map_to_odom, c.map_tile,
-                                     c.map,         c.health,      c.lrf_status,      c.scan_points, c.tilt_raw_rx,
-                                     c.tilt_raw_tx, c.gpio_raw_rx, c.gpio_raw_tx,     c.cloud_health};
+  const std::vector<std::string> all{c.tilt,        c.scan,        c.lrf_raw_rx,      c.lrf_raw_tx,   c.motion,
+                                     c.pose,        c.laser_pose,  c.pose_covariance, c.map_to_odom,  c.map_tile,
+                                     c.map,         c.health,      c.lrf_status,      c.scan_points,  c.tilt_raw_rx,
+                                     c.tilt_raw_tx, c.gpio_raw_rx, c.gpio_raw_tx,     c.cloud_health, c.world};
   LcmReceiver receiver(params, all);
   ASSERT_EQ(receiver.open(), Errc::kOk) << receiver.reason();
   LcmLink link(params, kMapCellsMax);

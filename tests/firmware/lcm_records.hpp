@@ -110,6 +110,8 @@ inline HealthReport example_health() {
   health.lrf.accepted = 12345;
   health.stages[kFilterStage].p99_ms = 7.5;
   health.storage_error = 28;
+  health.graph = GraphHealth{.place = WorldPlaceKnown::kGuessed};
+  health.world = WorldHealth{"8a1c", 17, true};
   health.cloud = CloudHealth{.points = 5000, .used = 0.25, .refused = 3, .scans_left_out = 4};
   return health;
 }

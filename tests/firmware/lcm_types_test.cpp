@@ -14,6 +14,7 @@
 #include <odoless/map_tile_t.hpp>
 #include <odoless/motion_t.hpp>
 #include <odoless/pose_estimate_t.hpp>
+#include <odoless/world_t.hpp>
 
 #include "core/motion/motion.hpp"
 #include "firmware/records/health.hpp"
@@ -43,9 +44,11 @@ TEST(LcmTypes, OfOurOwnStayAsTheyAre) {
   EXPECT_EQ(fingerprint<pose_estimate_t>(), 0xf340b4c06f2bb4a3U);
   EXPECT_EQ(fingerprint<map_tile_t>(), 0x666fae7f76fce32dU);
   EXPECT_EQ(fingerprint<health_t>(), 0x4c10d772a2532e6aU);
+  EXPECT_EQ(fingerprint<world_t>(), 0xd6b82b0036f604bfU);
 }
 
 TEST(LcmTypes, NameHealthAsTheRecordsDo) {
+  EXPECT_EQ(world_t::SURE, static_cast<int>(WorldPlaceKnown::kSure));
   EXPECT_EQ(health_t::FAULT, static_cast<int>(HealthState::kFault));
   EXPECT_EQ(health_t::LOST, static_cast<int>(HealthState::kLost));
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_STUCK), kReasonStuck);
