@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "config/robot_params.hpp"
@@ -7,7 +8,6 @@
 #include "core/graph/keyframe_gate.hpp"
 #include "core/graph/submap_graph.hpp"
 #include "firmware/stages/filter_stage.hpp"
-#include "firmware/world/world_reader.hpp"
 
 namespace odoless {
 
@@ -17,10 +17,10 @@ class GraphRun {
   GraphRun(const RobotParams& params, std::uint64_t seed)
       : gate_(params.graph), graph_(params.graph, params.limits, params.scan, seed), place_(params.graph) {}
 
-  /// Before the first scan: continues a world. @return  Whether there is room for it.
-  [[nodiscard]] bool resume(const StoredWorld& world) {
-    const bool has_room = graph_.resume(world.world());
-    if (const std::optional<PlaceBySubmap> last = last_place(world)) {
+  /// Before the first scan: continues a world. @param last  Where the robot was in it. @return  Whether there is room.
+  [[nodiscard]] bool resume(const SubmapWorld& world, const std::optional<PlaceBySubmap>& last) {
+    const bool has_room = graph_.resume(world);
+    if (last) {
       graph_.expect(*last);
     }
     return has_room;
@@ -41,11 +41,9 @@ class GraphRun {
     step.map_T_scan = step.map_T_odom * motion.odom_T_current;
   }
 
-  /// The graph when the run is over.
-  [[nodiscard]] const SubmapGraph& finished() {
-    graph_.finish();
-    return graph_;
-  }
+  /// When the run is over.
+  void finish() { graph_.finish(); }
+  [[nodiscard]] const SubmapGraph& graph() const { return graph_; }
 
  private:
   KeyframeGate gate_;
