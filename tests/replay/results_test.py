@@ -65,9 +65,9 @@ class ResultsTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 
-    def results(self, *names, seeds=1):
+    def results(self, *names, seeds=1, more=()):
         return run(os.path.join(PROJECT, "tools/results"), "--programs", PROGRAMS, "--seeds", str(seeds), "--keep", self.path("kept"), "--out",
-                   self.path("results.md"), "--only", *names, env={**os.environ, "ODOLESS_DATA": self.path("data")})
+                   self.path("results.md"), *more, "--only", *names, env={**os.environ, "ODOLESS_DATA": self.path("data")})
 
     def written(self):
         with open(self.path("results.md"), encoding="utf-8") as file:
@@ -86,7 +86,7 @@ class ResultsTest(unittest.TestCase):
                 cell = f"{errors['translation_m'][kind]:.3f} m, {errors['rotation_deg'][kind]:.2f} deg"
                 self.assertEqual(known[log, column + ", median"], cell)
                 self.assertLess(errors["translation_m"][kind], 0.05)
-            self.assertEqual(known[log, "lost, worst"], "0")
+            self.assertEqual((known[log, "lost, worst"], known[log, "seeds"]), ("0", "1"))
         self.assertEqual(known["Freiburg 079", "of these off, worst"], "0")
         self.assertEqual(known["Freiburg 079", "of one visit"], str(self.relations().count("\n")))
 
@@ -98,6 +98,9 @@ class ResultsTest(unittest.TestCase):
         first["summary"]["lost_scans"] = 4000
         with open(kept, "w", encoding="utf-8") as file:
             json.dump(first, file)
+        self.assertEqual(self.results("D-Wing", "Freiburg 079", seeds=2, more=["--kept"]).returncode, 0)
+        self.assertEqual((self.written()["D-Wing", "seeds"], self.written()["D-Wing", "lost, median"]), ("1", "4000"))
+        self.assertNotIn(("Freiburg 079", "seeds"), self.written())
         done = self.results("D-Wing", seeds=2)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual((self.written()["D-Wing", "lost, median"], self.written()["D-Wing", "lost, worst"]), ("2000", "4000"))
