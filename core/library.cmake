@@ -11,8 +11,10 @@ function(odoless_library name)
                                                  $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/odoless>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   if(PROJECT_IS_TOP_LEVEL)
-    install(DIRECTORY ${PROJECT_SOURCE_DIR}/${name} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/odoless COMPONENT dev
-            FILES_MATCHING PATTERN *.hpp)
+    if(EXISTS ${PROJECT_SOURCE_DIR}/${name})  # its headers; the library for C has one of its own
+      install(DIRECTORY ${PROJECT_SOURCE_DIR}/${name} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/odoless COMPONENT dev
+              FILES_MATCHING PATTERN *.hpp)
+    endif()
     install(TARGETS ${target} EXPORT odoless-${name} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
     install(EXPORT odoless-${name} NAMESPACE odoless:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/odoless COMPONENT dev)
   endif()

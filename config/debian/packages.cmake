@@ -68,10 +68,10 @@ lcm-gen to make code of in C++, Python, Java and more.")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS libeigen3-dev)
-set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libfmt-dev, libusb-1.0-0-dev, libgpiod-dev, pkg-config")
-set(CPACK_COMPONENT_DEV_DESCRIPTION "Static C++ libraries: the method (scan matching by NDT and Differential
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libfmt-dev, libtomlplusplus-dev, libusb-1.0-0-dev, libgpiod-dev, pkg-config")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Static libraries for C++: the method (scan matching by NDT and Differential
 Evolution, laser odometry, DP-SLAM and a pose graph), real-time building blocks,
-and drivers of laser range finders and tilt servos.")
+and drivers of laser range finders and tilt servos; and a library for C.")
 
 # Debug symbols in packages of their own, where the build has some; programs are stripped in either case.
 set(CPACK_STRIP_FILES ON)

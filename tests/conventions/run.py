@@ -8,6 +8,7 @@ import arrows
 import documents
 import elementary
 import exceptions
+import figures
 import format as formatting
 import method
 import paths
@@ -22,6 +23,7 @@ CHECKS = {
     "documents": documents.problems,
     "elementary": elementary.problems,
     "exceptions": exceptions.problems,
+    "figures": figures.problems,
     "format": formatting.problems,
     "method": method.problems,
     "paths": paths.problems,

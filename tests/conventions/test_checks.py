@@ -12,6 +12,7 @@ import arrows
 import documents
 import elementary
 import exceptions
+import figures
 import format as formatting
 import method
 import paths
@@ -241,6 +242,29 @@ class Documents(unittest.TestCase):
         self.assertIn("2 times (lines 1, 1), 1 known", documents.problems({"a.md": text}, {("a.md", word): 1})[0])
         self.assertIn("2 times now and not 3", documents.problems({"a.md": text}, {("a.md", word): 3})[0])
         self.assertEqual(documents.in_use("2 a.md \\btorn\\b\n"), {("a.md", word): 2})
+
+
+class Figures(unittest.TestCase):
+    KNOWN = "| log | path, median | CPU, median |\n|---|---|---|\n| Court, each scan | 0.040 m, 0.42 deg | 9 ms |\n"
+
+    def found(self, text, path="core/README.md"):
+        return figures.problems({figures.HOME: self.KNOWN, path: text})
+
+    def table(self, cell, log="Court, each scan"):
+        return f"| log | by others | path, median |\n|---|---|---|\n| {log} | 0.9 m | {cell} |\n"
+
+    def test_lets_what_is_near_pass(self):
+        for text in (self.table("0.031 m, 0.54 deg"), "Court, 250 m by 20 m.\n\nA room: 0.1 m.\n", "Court\n\n| a | b |\n| x | 0.1 m |\n"):
+            self.assertEqual(self.found(text), [])
+        self.assertEqual(self.found("Court: 3.5 m\n", "core/DECISIONS.md"), [])
+
+    def test_refuses_what_is_not(self):
+        for cell in ("0.030 m, 0.42 deg", "0.053 m, 0.42 deg", "0.040 m", "0.040 m, 0.42 m", "good"):
+            self.assertIn(f"core/README.md:3: Court, each scan, path, median: {cell}; tests/results.md has 0.040 m, 0.42 deg", self.found(self.table(cell)))
+
+    def test_refuses_figures_elsewhere(self):
+        for line, text in ((1, "On Court the\nerror is 0.04 m.\n"), (2, "\nCourt takes 9 ms.\n"), (3, self.table("0.04 m", "Court"))):
+            self.assertIn(f"core/README.md:{line}: a figure of a recorded log that tests/results.md", self.found(text)[0])
 
 
 class Exceptions(unittest.TestCase):

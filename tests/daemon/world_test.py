@@ -66,6 +66,9 @@ class World(WorldCase):
         self.assertLess(max(apart), 0.2)
         self.world("export", self.path("w"), "--out", self.path("again"))
         self.assertEqual(content(self.path("run2/trajectory.tum")), content(self.path("again/trajectory.tum")))
+        for told in (b"path of session 1", b"path of session 2"):
+            self.assertIn(told, content(self.path("again/map.svg")))
+        self.assertIn(b"loop closures", content(self.path("again/pose_graph.svg")))
 
     # Two drives through one building, each with a world of its own: one map, in which both lie as in one drive.
     def test_merges_worlds_of_one_building(self):

@@ -20,6 +20,7 @@ add_executable(consumer main.cpp)
 target_link_libraries(consumer PRIVATE odoless::{component})
 """
 MAINS = {
+    "c": '#include <odoless.h>\nint main() { return odoless_create("?", 1, nullptr) == ODOLESS_BAD_ARGUMENT ? 0 : 1; }\n',
     "rt": '#include "rt/clock.hpp"\nint main() { return odoless::MonotonicClock().now_ns() > 0 ? 0 : 1; }\n',
     "drivers": '#include "drivers/lrf/make_lrf_session.hpp"\n'
                "int main() { return odoless::make_lrf_session({}, 1081)->ready() ? 1 : 0; }\n",
@@ -69,7 +70,7 @@ class InstalledTest(unittest.TestCase):
     def test_a_component_that_is_none_is_refused_by_name(self):
         outcome = self.configure(self.consumer("firmware", ""))
         self.assertNotEqual(outcome.returncode, 0)
-        self.assertIn("odoless has no component firmware; it has core, rt and", outcome.stderr)
+        self.assertIn("odoless has no component firmware; it has core, rt, drivers", outcome.stderr)
 
     def test_without_build_testing_there_are_no_tests(self):
         build = os.path.join(self.folder, "no_tests")

@@ -35,17 +35,23 @@ class PythonTest(unittest.TestCase):
         again, _ = odoless.replay(self.stamps[:30], self.ranges[:30], laser(), seed=7)
         numpy.testing.assert_array_equal(once, again)
 
+    def test_a_configuration_is_taken(self):
+        near, _ = odoless.replay(self.stamps[:5], self.ranges[:5], laser(), config="[scan]\nrange_max_m = 0.5\n")
+        numpy.testing.assert_array_equal(near, numpy.zeros((5, 3)))  # nothing is seen
+
     def test_wrong_arrays_are_refused(self):
         for stamps, ranges, what in (
             (self.stamps[:5], self.ranges[:6], "one stamp per row"),
             (self.stamps, self.ranges[0], "a row per scan"),
             (numpy.array([numpy.nan]), self.ranges[:1], "a stamp must be a number"),
-            (self.stamps[:1], numpy.ones((1, 20000)), "at most 16384 beams"),
+            (self.stamps[:1], numpy.ones((1, 20000)), "too many beams"),
         ):
             with self.assertRaisesRegex(ValueError, what):
                 odoless.replay(stamps, ranges, laser())
-        with self.assertRaisesRegex(ValueError, "scan refused"):
+        with self.assertRaisesRegex(ValueError, "angle step of 0"):
             odoless.replay(self.stamps[:1], self.ranges[:1], odoless.Laser(0.0, 0.0))
+        with self.assertRaisesRegex(ValueError, "unknown key 'scan.what'"):
+            odoless.replay(self.stamps[:1], self.ranges[:1], laser(), config="[scan]\nwhat = 1\n")
 
     def test_no_scans_give_no_poses(self):
         final, online = odoless.replay(numpy.empty(0), numpy.empty((0, 180)), laser())

@@ -162,6 +162,8 @@ TEST(Command, EvalMeasuresFiles) {
   EXPECT_EQ(measured["used"], 2);
   EXPECT_EQ(measured["missing"], 1);
   EXPECT_NEAR(measured["translation_m"]["mean"], 0.05, 1e-9);
+  EXPECT_EQ(measured["one_visit"]["used"], 2);
+  EXPECT_EQ(measured["across_loops"]["off"], 0);
   const auto ate = nlohmann::json::parse(run({"eval", "ate", log, trajectory, "--json"}).out);
   EXPECT_EQ(ate["used"], 3);
   EXPECT_LT(ate["translation_m"]["max"], 0.1);

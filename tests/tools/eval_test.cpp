@@ -120,6 +120,20 @@ TEST(Relations, TakeTheLasersPlaceIntoAccount) {
   EXPECT_GT(evaluate_relations(relations, laser, {}).errors.translation_m.max, 0.1);
 }
 
+TEST(Relations, AreCountedAsOffByTheTimeBetweenTheirPoses) {
+  const std::vector<ReferencePose> still{{0, {}}, {15, {}}, {16, {}}};
+  const auto result = evaluate_relations(std::vector<Relation>{{0, 15, {0.29, 0, 0.08}},
+                                                               {15, 0, {0.31, 0, 0}},
+                                                               {15, 16, {0, 0, -0.09}},
+                                                               {0, 16, {0, 0.49, 3}},
+                                                               {16, 0, {0.51, 0, 0}}},
+                                         still, {});
+  EXPECT_EQ(result.one_visit.used, 3U);
+  EXPECT_EQ(result.one_visit.off, 2U);
+  EXPECT_EQ(result.across_loops.used, 2U);
+  EXPECT_EQ(result.across_loops.off, 1U);
+}
+
 TEST(Relations, AreReadFromText) {
   const test::TemporaryFolder folder;
   const auto relations = read_relations(folder.file("r", "# t1 t2\n1 2 3 4 99 0.1 0.2 -0.5\n\n"));

@@ -40,7 +40,6 @@ namespace {
 constexpr Rgb kEstimateColour{220, 50, 32};
 constexpr Rgb kOnlineColour{230, 159, 0};
 constexpr Rgb kTruthColour{0, 90, 181};
-constexpr Rgb kClosureColour{46, 125, 50};
 
 struct LogJob {
   std::string log;
@@ -151,20 +150,6 @@ std::vector<ColouredPath> paths_to_draw(const LogJob& job, std::span<const Stamp
   return paths;
 }
 
-// The loop closures that hold, each from the older submap, under the way from submap to submap.
-std::vector<ColouredPath> graph_to_draw(const PoseGraph& graph) {
-  std::vector<ColouredPath> paths;
-  for (const Constraint& constraint : graph.constraints()) {
-    if (constraint.is_loop && constraint.weight > 0.0) {
-      paths.push_back({{graph.pose(constraint.from), graph.pose(constraint.to)},
-                       kClosureColour,
-                       paths.empty() ? "loop closures" : ""});
-    }
-  }
-  paths.push_back({{graph.poses().begin(), graph.poses().end()}, kEstimateColour, "submaps"});
-  return paths;
-}
-
 void write_replay(const LogJob& job, const std::filesystem::path& folder, const ReplayResult& result,
                   const LaserPlace& laser, nlohmann::ordered_json summary) {
   const std::vector<StampedPose> trajectory = robot_trajectory(result.trajectory, laser);
@@ -179,8 +164,7 @@ void write_replay(const LogJob& job, const std::filesystem::path& folder, const 
   if (result.graph) {
     write_whole_file(folder / "pose_graph.g2o", format_g2o(*result.graph));
     if (result.graph->size() > 0 && !result.map.occupancy_percent.empty()) {
-      write_map_picture(folder / "pose_graph.png", result.map, graph_to_draw(*result.graph),
-                        title_of(job) + ": pose graph");
+      write_graph_picture(folder / "pose_graph.png", result.map, *result.graph, title_of(job) + ": pose graph");
     }
     if (!job.world.empty()) {
       summary["unlocated_scans"] = result.unlocated_scans;

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <iterator>
 #include <memory>
@@ -29,7 +30,8 @@
 namespace odoless {
 namespace {
 
-constexpr Rgb kPathColour{220, 50, 32};
+/// Of sessions, one after the other and again; to be told apart by all.
+constexpr std::array<Rgb, 5> kPathColours{{{220, 50, 32}, {0, 90, 181}, {230, 159, 0}, {46, 125, 50}, {136, 34, 85}}};
 
 struct WorldJob {
   std::filesystem::path file;
@@ -220,12 +222,13 @@ void run_export(const WorldJob& job) {
   const Joined joined = joined_to(*world, session);
   ResultFolder folder(job.out, job.force);
   const std::filesystem::path& out = folder.unfinished();
-  ColouredPath path{{}, kPathColour, "path (final)"};
+  std::vector<ColouredPath> paths;
   for (std::size_t i = 0; i < world->sessions.size(); ++i) {
     if (is_in(joined, world->sessions[i])) {
       const std::vector<StampedPose> poses =
           robot_trajectory(trajectory_of(*world, world->sessions[i]), LaserPlace::of(params.mount));
-      std::ranges::transform(poses, std::back_inserter(path.poses), &StampedPose::map_T_scan);
+      paths.push_back({{}, kPathColours[i % kPathColours.size()], fmt::format("path of session {}", i + 1)});
+      std::ranges::transform(poses, std::back_inserter(paths.back().poses), &StampedPose::map_T_scan);
       write_trajectory(out / (i == chosen ? "trajectory.tum" : fmt::format("trajectory_{}.tum", i + 1)), poses);
     }
   }
@@ -236,8 +239,9 @@ void run_export(const WorldJob& job) {
   map.write(picture);
   if (!picture.occupancy_percent.empty()) {
     write_map(out, picture);
-    write_map_picture(out / "map.png", picture, {&path, 1},
-                      fmt::format("{}, session {}", std::filesystem::path(job.file).filename().string(), chosen + 1));
+    const std::string title = fmt::format("{}, session {}", job.file.filename().string(), chosen + 1);
+    write_map_picture(out / "map.png", picture, paths, title);
+    write_graph_picture(out / "pose_graph.png", picture, joined.part.graph, title + ": pose graph");
   }
   folder.finish();
   fmt::print("session {}, {} of {} submaps: {}\n", chosen + 1, joined.submaps.size(), world->submaps.size(),
@@ -347,7 +351,7 @@ void add_world(CLI::App& app) {
   add_job(*world, "check", "Check a world; exit with 65 where something is wrong", *job)->callback([job] {
     run_check(*job);
   });
-  CLI::App* const output = add_job(*world, "export", "Write map, trajectory and pose graph", *job);
+  CLI::App* const output = add_job(*world, "export", "Write map, trajectories and pose graph, with pictures", *job);
   output->add_option("--out", job->out, "Folder for the results")->required();
   output->add_flag("--force", job->force, "Replace the results that are in the folder");
   output->add_option("--resolution", job->resolution_m, "Side of a map cell in metres; 0: as configured")

@@ -1,5 +1,7 @@
 #include "tools/eval/relations.hpp"
 
+#include <cmath>
+
 #include "tools/command/error.hpp"
 #include "tools/log/fields.hpp"
 
@@ -15,6 +17,18 @@ Relation parse_relation(const Fields& fields) {
   }
   return {fields.number(0, "t1"), fields.number(1, "t2"),
           Pose2{fields.number(2, "x"), fields.number(3, "y"), fields.number(7, "yaw")}};
+}
+
+void count(const Relation& relation, const PoseError& error, RelationsResult& result) {
+  if (std::abs(relation.to_s - relation.from_s) <= kOneVisit_s) {
+    ++result.one_visit.used;
+    const bool is_off =
+        error.translation_m > kOffOnOneVisit.translation_m || error.rotation_rad > kOffOnOneVisit.rotation_rad;
+    result.one_visit.off += is_off ? 1 : 0;
+  } else {
+    ++result.across_loops.used;
+    result.across_loops.off += error.translation_m > kOffAcrossALoop_m ? 1 : 0;
+  }
 }
 
 }  // namespace
@@ -51,6 +65,7 @@ RelationsResult evaluate_relations(std::span<const Relation> relations, std::spa
     }
     const Pose2 from_T_to = robot_motion(map_T_from->inverse() * *map_T_to, association.laser_x_m);
     errors.push_back(pose_error(relation.from_T_to, from_T_to));
+    count(relation, errors.back(), result);
   }
   result.used = errors.size();
   result.errors = summarise(errors);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -20,10 +21,25 @@ struct Relation {
 /// @throws DataError, NoInputError, IoError.
 [[nodiscard]] std::vector<Relation> read_relations(const std::filesystem::path& path);
 
+/// Stamps up to here apart are of one drive past a place; what is farther apart was seen on another visit.
+inline constexpr double kOneVisit_s = 15.0;
+/// Off is a relation of one visit by more than this, ...
+inline constexpr PoseError kOffOnOneVisit{0.3, 5.0 * std::numbers::pi / 180.0};
+/// ... and one across a loop by more than this, whatever its rotation.
+inline constexpr double kOffAcrossALoop_m = 0.5;
+
+/// How many relations of a kind there are, and how many of them are off.
+struct RelationsShare {
+  std::size_t used = 0;
+  std::size_t off = 0;
+};
+
 struct RelationsResult {
   PoseErrorStatistics errors;
   std::size_t used = 0;
-  std::size_t missing = 0;  ///< relations of which the estimate lacks a pose
+  std::size_t missing = 0;      ///< relations of which the estimate lacks a pose
+  RelationsShare one_visit;     ///< of the used ones, those up to kOneVisit_s apart
+  RelationsShare across_loops;  ///< and the others
 };
 
 /// Compares each relation with the same motion of the estimate [kuemmerle2009metric, eq. 3 and 4, absolute errors].

@@ -43,6 +43,14 @@ std::string counts_text(const char* what, std::size_t used, std::size_t missing)
   return fmt::format("{:<16} {} used, {} missing", what, used, missing);
 }
 
+std::string to_text(const RelationsResult& result) {
+  return fmt::format("{:<16} {} within {} s, {} of them off by more than {} m or {} deg\n", "one visit",
+                     result.one_visit.used, kOneVisit_s, result.one_visit.off, kOffOnOneVisit.translation_m,
+                     to_deg(kOffOnOneVisit.rotation_rad)) +
+         fmt::format("{:<16} {}, {} of them off by more than {} m", "across loops", result.across_loops.used,
+                     result.across_loops.off, kOffAcrossALoop_m);
+}
+
 Json to_json(const PairError& pair) {
   return {{"reference_index", pair.row.reference_index},
           {"index", pair.row.index},
@@ -84,7 +92,16 @@ std::string to_text(const PairsResult& result) {
 Report report(const RelationsResult& result) {
   Json json{{"metric", "relations"}, {"used", result.used}, {"missing", result.missing}};
   json.update(to_json(result.errors));
-  return {fmt::format("{}\n{}", counts_text("relations", result.used, result.missing), to_text(result.errors)), json};
+  json["one_visit"] = {{"used", result.one_visit.used},
+                       {"off", result.one_visit.off},
+                       {"within_s", kOneVisit_s},
+                       {"off_above_m", kOffOnOneVisit.translation_m},
+                       {"off_above_deg", to_deg(kOffOnOneVisit.rotation_rad)}};
+  json["across_loops"] = {
+      {"used", result.across_loops.used}, {"off", result.across_loops.off}, {"off_above_m", kOffAcrossALoop_m}};
+  return {fmt::format("{}\n{}\n{}", counts_text("relations", result.used, result.missing), to_text(result.errors),
+                      to_text(result)),
+          json};
 }
 
 Report report(const AteResult& result) {

@@ -16,6 +16,8 @@ constexpr int kSideMaxPx = 4096 - 128;  // beside what is drawn around it
 static_assert(kPlanLeft_px + kPlanRight_px <= 128 && kPlanTop_px + kPlanBottom_px <= 128);
 constexpr int kSideWantedPx = 800;
 constexpr int kUnknownGrey = 205;
+constexpr Rgb kSubmapsColour{220, 50, 32};
+constexpr Rgb kClosureColour{46, 125, 50};
 
 /// The part of the map to show, in cells of the map; it may reach beyond the map.
 struct Crop {
@@ -128,6 +130,20 @@ Drawing draw_map(const OccupancyMap& map, std::span<const ColouredPath> paths, c
 void write_map_picture(const std::filesystem::path& path, const OccupancyMap& map, std::span<const ColouredPath> paths,
                        const std::string& title) {
   write_drawing(path, draw_map(map, paths, title));
+}
+
+void write_graph_picture(const std::filesystem::path& path, const OccupancyMap& map, const PoseGraph& graph,
+                         const std::string& title) {
+  std::vector<ColouredPath> paths;
+  for (const Constraint& constraint : graph.constraints()) {
+    if (constraint.is_loop && constraint.weight > 0.0) {
+      paths.push_back({{graph.pose(constraint.from), graph.pose(constraint.to)},
+                       kClosureColour,
+                       paths.empty() ? "loop closures" : ""});
+    }
+  }
+  paths.push_back({{graph.poses().begin(), graph.poses().end()}, kSubmapsColour, "submaps"});
+  write_map_picture(path, map, paths, title);
 }
 
 }  // namespace odoless

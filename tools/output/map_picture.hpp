@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "core/graph/pose_graph.hpp"
 #include "core/grid/occupancy_map.hpp"
 #include "tools/output/plan.hpp"
 
@@ -18,5 +19,10 @@ namespace odoless {
 /// Writes that picture as PNG, and beside it as SVG, each whole or not at all. @throws CannotCreateError, IoError.
 void write_map_picture(const std::filesystem::path& path, const OccupancyMap& map, std::span<const ColouredPath> paths,
                        const std::string& title);
+
+/// Writes map and pose graph likewise: loop closures that hold, each from the older submap, under the way from submap
+/// to submap.
+void write_graph_picture(const std::filesystem::path& path, const OccupancyMap& map, const PoseGraph& graph,
+                         const std::string& title);
 
 }  // namespace odoless

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "config/robot_params.hpp"
@@ -7,7 +8,6 @@
 #include "core/graph/keyframe_gate.hpp"
 #include "core/graph/submap_graph.hpp"
 #include "firmware/stages/filter_stage.hpp"
-#include "firmware/world/world_reader.hpp"
 
 namespace odoless {
 
@@ -17,10 +17,11 @@ class GraphRun {
   GraphRun(const RobotParams& params, std::uint64_t seed)
       : gate_(params.graph), graph_(params.graph, params.limits, params.scan, seed), place_(params.graph) {}
 
-  /// Before the first scan: goes on with a world. @return  Whether there is room for it.
-  [[nodiscard]] bool resume(const StoredWorld& world, WorldUse use) {
-    const bool has_room = graph_.resume(world.world(), use);
-    if (const std::optional<PlaceBySubmap> last = last_place(world)) {
+  /// Before the first scan: goes on with a world. @param last  Where the robot was in it. @return  Whether there is
+  /// room.
+  [[nodiscard]] bool resume(const SubmapWorld& world, WorldUse use, const std::optional<PlaceBySubmap>& last) {
+    const bool has_room = graph_.resume(world, use);
+    if (last) {
       graph_.expect(*last);
     }
     return has_room;
@@ -41,12 +42,9 @@ class GraphRun {
     step.map_T_scan = step.map_T_odom * motion.odom_T_current;
   }
 
+  /// When the run is over.
+  void finish() { graph_.finish(); }
   [[nodiscard]] const SubmapGraph& graph() const { return graph_; }
-  /// The graph when the run is over.
-  [[nodiscard]] const SubmapGraph& finished() {
-    graph_.finish();
-    return graph_;
-  }
 
  private:
   KeyframeGate gate_;

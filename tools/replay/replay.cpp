@@ -7,13 +7,13 @@
 #include <utility>
 
 #include "core/base/check.hpp"
-#include "core/graph/world_map.hpp"
 #include "core/scan/laser_mount.hpp"
 #include "firmware/world/continued_world.hpp"
+#include "firmware/world/world_reader.hpp"
 #include "rt/cpu_clock.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/log_times.hpp"
-#include "tools/replay/graph_run.hpp"
+#include "tools/replay/mapper.hpp"
 #include "tools/replay/summary.hpp"
 
 namespace odoless {
@@ -76,12 +76,9 @@ class Recorder {
     count_gap(time_ns);
     result_.scan_cpu_us.push_back(static_cast<double>(step.matcher_cpu_ns + step.filter_cpu_ns) * 1e-3);
     result_.filter_updates += step.filter.updated ? 1 : 0;
-    updates_.push_back(result_.filter_updates - 1);
-    result_.online_trajectory.push_back({step.stamp_ns, step.filter.map_T_scan});
-    if (!steps_.empty()) {
-      add_match(index, step);
+    if (last_index_) {
+      add_match(*last_index_, index, step);
     }
-    steps_.push_back(step.filter);
     last_index_ = index;
   }
 
@@ -92,20 +89,11 @@ class Recorder {
     }
   }
 
-  [[nodiscard]] ReplayResult finish(Slam& filter) {
-    filter.finish();
-    std::vector<StampedPose> path;
-    filter.write_path(path);
-    result_.trajectory = final_trajectory(path);
-    filter.write_occupancy(result_.map);
-    return std::move(result_);
-  }
-
  private:
   static constexpr double kWeight_clear = 0.9;
 
-  void add_match(int index, const ChainStep& step) {
-    MatchRow row = row_of(log_, last_index_, index);
+  void add_match(int reference_index, int index, const ChainStep& step) {
+    MatchRow row = row_of(log_, reference_index, index);
     row.reference_T_scan = step.motion.previous_T_current;
     fill_quality(row, step.motion, step.motion.has(kConverged), step.matcher_cpu_ns);
     result_.matches.push_back(row);
@@ -126,39 +114,38 @@ class Recorder {
   void count_gap(std::int64_t time_ns) {
     constexpr double kGap_s = 1.0;
     const double since_s = to_s(time_ns - last_time_ns_);
-    result_.missing_s += !steps_.empty() && since_s > kGap_s ? since_s : 0.0;
+    result_.missing_s += last_index_ && since_s > kGap_s ? since_s : 0.0;
     last_time_ns_ = time_ns;
-  }
-
-  // Each scan hangs on the filter update before it; the best particle's final path says where that update was.
-  [[nodiscard]] std::vector<StampedPose> final_trajectory(const std::vector<StampedPose>& path) const {
-    std::vector<StampedPose> out = result_.online_trajectory;
-    if (static_cast<int>(path.size()) != (updates_.empty() ? 0 : updates_.back() + 1)) {
-      return out;  // thinned paths: the poses of the time stand
-    }
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      out[i].map_T_scan = path[static_cast<std::size_t>(updates_[i])].map_T_scan * steps_[i].update_T_scan;
-    }
-    return out;
   }
 
   const ScanLog& log_;
   ReplayResult result_;
-  std::vector<FilterStep> steps_;
-  std::vector<int> updates_;  ///< filter update that each scan hangs on
-  int last_index_ = 0;
+  std::optional<int> last_index_;
   std::int64_t last_time_ns_ = 0;
 };
 
-void finish(const SubmapGraph& graph, const RobotParams& params, std::span<const StampedPose> odom,
-            ReplayResult& result) {
-  result.trajectory = graph.corrected(odom);
-  WorldMap map(params.slam.low.beam, params.slam.low.grid.resolution_m);
-  map.render(graph.map(), params.scan);
-  map.write(result.map);
-  result.graph = graph.graph();
-  result.closures = graph.counts();
-  result.outside_scans = 0;  // a map of keyframes has no edge
+/// Goes on with a world, or says that it has no room.
+void resume(Mapper& mapper, const ReplayOptions& options, const GraphParams& params) {
+  const StoredWorld& world = *options.world;
+  if (!mapper.resume(world.world(), options.world_use, last_place(world))) {
+    throw UsageError("the world has no room: " + no_room_sentence(world, params));
+  }
+}
+
+void finish(Mapper& mapper, const ReplayOptions& options, ReplayResult& result) {
+  mapper.finish();
+  result.trajectory = mapper.trajectory();
+  result.online_trajectory = mapper.online_trajectory();
+  result.map = mapper.map();
+  result.source = mapper.chain().sensor().counts();
+  if (const SubmapGraph* const graph = mapper.graph()) {
+    if (options.on_graph) {
+      options.on_graph(*graph, mapper.odom());
+    }
+    result.graph = graph->graph();
+    result.closures = graph->counts();
+    result.outside_scans = 0;  // a map of keyframes has no edge
+  }
 }
 
 }  // namespace
@@ -166,34 +153,25 @@ void finish(const SubmapGraph& graph, const RobotParams& params, std::span<const
 ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
                     const ReplayProgress& progress, const ReplayWatcher& watcher) {
   const std::vector<int> used = used_scans(log, options.every);
-  StageChain chain(params, options.seed, false);
+  Mapper mapper(params, options.seed);
   Recorder recorder(log);
-  std::optional<GraphRun> graph;
-  std::vector<StampedPose> odom;
-  if (params.graph.enabled) {
-    graph.emplace(params, options.seed);
-    if (options.world != nullptr && !graph->resume(*options.world, options.world_use)) {
-      throw UsageError("the world has no room: " + no_room_sentence(*options.world, params.graph));
-    }
+  if (options.world != nullptr && params.graph.enabled) {
+    resume(mapper, options, params.graph);
   }
   for (std::size_t i = 0; i < used.size(); ++i) {
     const LogScan& scan = log.scans[static_cast<std::size_t>(used[i])];
     const RawScan raw = scan.raw();
-    ChainStep step = chain.process(raw, raw.stamp_ns, scan.is_level);
+    const ChainStep step = mapper.process(raw, scan.is_level);
     if (step.verdict == ScanVerdict::kMalformed) {
       refuse(raw, params.scan, used[i]);
     }
     if (step.verdict == ScanVerdict::kAccepted) {
-      if (graph) {
-        graph->add(chain.frame(), step.motion, step.filter);
-        odom.push_back({step.stamp_ns, step.motion.odom_T_current});
-      }
-      recorder.add(used[i], step, chain.frame().time_ns());
-      if (graph) {
-        recorder.count_place(graph->graph());
+      recorder.add(used[i], step, mapper.chain().frame().time_ns());
+      if (mapper.graph() != nullptr) {
+        recorder.count_place(*mapper.graph());
       }
       if (watcher) {
-        watcher(step, raw, chain);
+        watcher(step, raw, mapper.chain());
       }
     }
     if ((i + 1) * 10 / used.size() > i * 10 / used.size()) {
@@ -201,15 +179,8 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
     }
     progress(static_cast<std::int64_t>(i) + 1, static_cast<std::int64_t>(used.size()), step.motion.fitness);
   }
-  ReplayResult result = recorder.finish(chain.filter().filter());
-  if (graph) {
-    const SubmapGraph& finished = graph->finished();
-    if (options.on_graph) {
-      options.on_graph(finished, odom);
-    }
-    finish(finished, params, odom, result);
-  }
-  result.source = chain.sensor().counts();
+  ReplayResult result = std::move(recorder.result());
+  finish(mapper, options, result);
   result.log_duration_s = to_s(log.scans[static_cast<std::size_t>(used.back())].stamp_ns - log.scans.front().stamp_ns);
   return result;
 }
