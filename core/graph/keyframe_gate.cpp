@@ -6,8 +6,9 @@
 
 namespace odoless {
 
-bool KeyframeGate::add(const Motion& motion) {
+bool KeyframeGate::add(const Motion& motion, double unknown_s) {
   since_last_ = since_last_.then(OdometryStretch::of(motion));
+  since_last_.unknown_s += unknown_s;
   odom_T_scan_ = motion.odom_T_current;
   const Pose2& way = since_last_.start_T_end;
   return !has_begun_ || since_last_.is_torn() || math::hypot(way.x_m, way.y_m) >= params_.keyframe_distance_m ||

@@ -38,6 +38,7 @@ Recovery::Recovery(const RecoveryParams& params, const ScanParams& scan, const S
 
 void Recovery::reset() {
   updates_ = 0;
+  unsure_s_ = 0.0;
   usual_.reset();
   usual_fit_ = UsualLevel{kFit_memory_s};
   trust();
@@ -47,6 +48,7 @@ void Recovery::trust() {
   confidence_.reset();
   last_fit_ = Fit{};
   lost_ = unconfirmed_ = suspected_ = settled_ = false;
+  unknown_s_ = 0.0;
 }
 
 void Recovery::note_update(double within) {
@@ -68,10 +70,16 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
   if (!params_.enabled) {
     return Advice::kGoOn;
   }
-  if (lost()) {
-    return look_for_it(slam, tracked);
-  }
-  // Where scans are far apart nothing of this tells a robot that is lost from one that goes on.
+  const bool was_lost = lost();
+  const Advice advice = was_lost ? look_for_it(slam, tracked) : follow(slam, tracked);
+  unsure_s_ += std::max(0.0, tracked.motion.duration_s());
+  unknown_s_ = advice == Advice::kFound || (lost() && !was_lost) ? unsure_s_ : 0.0;
+  unsure_s_ = state() == Tracking::kSure ? 0.0 : unsure_s_;
+  return advice;
+}
+
+// Where scans are far apart nothing of this tells a robot that is lost from one that goes on.
+Advice Recovery::follow(Slam& slam, const TrackedScan& tracked) {
   const Advice advice = usual_.is_dense() ? diagnose(slam, tracked) : Advice::kGoOn;
   if (state() == Tracking::kSure) {
     usual_.add(tracked.motion.previous_T_current);

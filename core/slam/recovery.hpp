@@ -56,6 +56,9 @@ class Recovery {
   [[nodiscard]] bool lost() const { return lost_; }
   /// That the pose is right within 0.5 m and 5 deg, as far as the scans tell.
   [[nodiscard]] double probability() const { return lost_ ? 0.0 : confidence_.right(); }
+  /// Where with the last scan tracking broke off or the robot was found: the time since its pose was last sure, of
+  /// which nobody knows where it was. Else 0.
+  [[nodiscard]] double unknown_s() const { return unknown_s_; }
   /// Of the last scan; 1 before the first.
   [[nodiscard]] double fit() const { return last_fit_.mean; }
   [[nodiscard]] std::size_t memory_bytes() const {
@@ -65,6 +68,7 @@ class Recovery {
  private:
   static constexpr double kFit_memory_s = 60.0;  ///< longer than a wrong pose may take to show
 
+  [[nodiscard]] Advice follow(Slam& slam, const TrackedScan& tracked);
   [[nodiscard]] Advice diagnose(Slam& slam, const TrackedScan& tracked);
   /// In the best particle's map; in that which it fits best where it does not fit.
   [[nodiscard]] Fit fit_of(Lslam& low, const Pose2& update_T_scan) const;
@@ -85,6 +89,8 @@ class Recovery {
   ScanFit fit_;
   Relocaliser relocaliser_;
   Fit last_fit_;
+  double unsure_s_ = 0.0;   ///< since the pose was last sure
+  double unknown_s_ = 0.0;  ///< of it, with the last scan
   double matched_s_ = 0.0;  ///< lost, and every scan has matched the ones before
   int updates_ = 0;
   bool lost_ = false;

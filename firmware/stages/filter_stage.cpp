@@ -36,6 +36,7 @@ FilterStep FilterStage::process(const ScanFrame& scan, const Motion& motion, con
   compose(motion);
   FilterStep out;
   const Advice advice = diagnose(scan);
+  out.unknown_s = recovery_.unknown_s();
   since_scan_ = Motion{};
   out.found = advice == Advice::kFound;
   if (out.found) {

@@ -21,6 +21,7 @@ struct FilterStep {
   Tracking tracking = Tracking::kSure;
   double probability = 1.0;  ///< that map_T_scan is right within 0.5 m and 5 deg
   bool found = false;        ///< a lost robot, with this scan
+  double unknown_s = 0.0;    ///< Recovery's, with this scan: the motion since then is not credible, whatever it says
   double fit = 1.0;          ///< ScanFit of the scan; 1 before the first update
 };
 

@@ -65,7 +65,7 @@ void FilterLoop::process(const MotionMessage& message) {
 }
 
 void FilterLoop::tell_keyframe(const MotionMessage& message, const FilterStep& step) {
-  if (keyframes_ && keyframes_->add(message.motion) && message.slot != kNoSlot && !stage_.paused()) {
+  if (keyframes_ && keyframes_->add(message.motion, step.unknown_s) && message.slot != kNoSlot && !stage_.paused()) {
     keyframes_->send(pipeline_, pipeline_.pool.at(message.slot), step.map_T_odom, map_number_);
   }
 }

@@ -19,7 +19,7 @@ class KeyframeSender {
   explicit KeyframeSender(const GraphParams& params) : gate_(params) {}
 
   /// Every motion. @return  Whether its scan is wanted.
-  [[nodiscard]] bool add(const Motion& motion) { return gate_.add(motion); }
+  [[nodiscard]] bool add(const Motion& motion, double unknown_s) { return gate_.add(motion, unknown_s); }
 
   void send(Pipeline& pipeline, const ScanFrame& scan, const Pose2& map_T_odom, int map_number) {
     const auto beams = static_cast<std::size_t>(gate_.beams(scan));

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "tools/fault_campaign/gap_sweep.hpp"
 #include "tools/fault_campaign/report.hpp"
@@ -198,6 +199,15 @@ TEST(CampaignRun, SaysThatScansAreMissingWhileTheyAre) {
   }
   EXPECT_EQ(silent_ticks, 15);
   EXPECT_EQ(run.verdict.all_scans(), 30);  // 40 less the 10 that are missing
+}
+
+// The laser odometry had the robot 1.8 and 4.2 m elsewhere by then: after a gap, and with ranges of the wrong scale.
+TEST(CampaignRun, HasARobotThatWasFoundWhereItWasFound) {
+  for (const auto& [seed, index] : {std::pair<std::uint64_t, int>{5, 47}, {3, 15}}) {
+    const RunResult run = play(draw_scenario(seed, index));
+    EXPECT_FALSE(run.verdict.failed_silently()) << seed << "/" << index << ": for " << run.verdict.silent_s << " s";
+    EXPECT_LT(run.verdict.final_error_m, 0.3) << seed << "/" << index;
+  }
 }
 
 /// The error that a trace has at that time, as it is written there.

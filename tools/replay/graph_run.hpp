@@ -29,7 +29,7 @@ class GraphRun {
 
   /// Every scan and what the stages made of it. @param step  As the filter has it in its own map; in the world then.
   void add(const ScanFrame& scan, const Motion& motion, FilterStep& step) {
-    if (gate_.add(motion)) {
+    if (gate_.add(motion, step.unknown_s)) {
       Keyframe keyframe;
       codes_.resize(static_cast<std::size_t>(gate_.beams(scan)));
       gate_.encode(scan, step.map_T_odom, keyframe, codes_);

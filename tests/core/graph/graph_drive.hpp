@@ -52,7 +52,7 @@ class Feed {
  public:
   explicit Feed(const GraphParams& params) : gate_(params) {}
   void add(const ScanFrame& scan, const Motion& motion, SubmapGraph& graph) {
-    if (!gate_.add(motion)) {
+    if (!gate_.add(motion, std::exchange(unknown_s, 0.0))) {
       return;
     }
     Keyframe keyframe;
@@ -65,7 +65,8 @@ class Feed {
     }
   }
 
-  Pose2 local_T_odom{};  ///< as a particle filter would have it
+  Pose2 local_T_odom{};    ///< as a particle filter would have it
+  double unknown_s = 0.0;  ///< with the next motion, as it would say
 
  private:
   KeyframeGate gate_;
@@ -96,6 +97,13 @@ class Drive {
         see({corners[i - 1].x_m + dx * k / steps, corners[i - 1].y_m + dy * k / steps, heading_rad});
       }
     }
+  }
+
+  /// Carries the robot elsewhere, which the odometry does not notice; the filter has found it there.
+  void carry(const Pose2& world_T_scan, double lost_s) {
+    poses.back() = world_T_scan;
+    filter = Pose2{};
+    feed.unknown_s = lost_s;
   }
 
   /// Largest distance of a corrected pose from the truth.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/pose2_covariance.hpp"
@@ -36,7 +37,7 @@ class Drive {
       motion.probability = probability;
       started_ = true;
       odom_T_scan_ = motion.odom_T_current;
-      if (!gate_.add(motion)) {
+      if (!gate_.add(motion, std::exchange(unknown_s, 0.0))) {
         continue;
       }
       Keyframe keyframe;
@@ -52,6 +53,7 @@ class Drive {
 
   std::vector<Submap> submaps;
   std::vector<OdometryStretch> odometry;
+  double unknown_s = 0.0;  ///< with the next motion, as the filter would say
   [[nodiscard]] const KeyframeStore& store() const { return store_; }
 
  private:
@@ -109,6 +111,18 @@ TEST(SubmapBuilder, CutsBeforeAMotionThatIsNotCredibleAndBelievesItLittle) {
   const Eigen::Matrix3d covariance = drive.odometry[1].constraint_covariance({});
   EXPECT_GE(covariance(0, 0), 1.0);
   EXPECT_GE(covariance(2, 2), 0.4);
+}
+
+TEST(SubmapBuilder, CutsAlsoWhereTheFilterHoldsThatTrackingBrokeOff) {
+  Drive drive;
+  drive.go(20, {0.1, 0.0, 0.0});
+  drive.unknown_s = 5.0;
+  drive.go(1, {});
+  ASSERT_EQ(drive.submaps.size(), 1U);
+  drive.go(60, {0.1, 0.0, 0.0});
+  ASSERT_EQ(drive.submaps.size(), 2U);
+  const RobotLimits limits;
+  EXPECT_GE(std::sqrt(drive.odometry[1].constraint_covariance(limits)(0, 0)), 0.5 * limits.speed_max_mps * 5.0);
 }
 
 TEST(SubmapBuilder, CutsSoonerWhereTheOdometrySlips) {

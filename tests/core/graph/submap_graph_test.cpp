@@ -68,6 +68,15 @@ TEST(SubmapGraph, FollowsTheFilterUntilALoopIsClosed) {
   EXPECT_LT(run.online().distance_m(run.truth()), 0.5 * odometry_m);
 }
 
+TEST(SubmapGraph, BelievesNoOdometryOverWhichTheRobotWasLost) {
+  OpenDrive run;
+  run.drive({kRound[0], kRound[1]});
+  run.carry({kRound[1].x_m, kRound[1].y_m + 4.0, 1.5}, 5.0);
+  run.drive({{kRound[1].x_m, kRound[1].y_m + 4.0}, kRound[2], kRound[3]});
+  EXPECT_GT(run.odom.back().map_T_scan.distance_m(run.truth()), 3.0);
+  EXPECT_LT(run.online().distance_m(run.truth()), 0.4);
+}
+
 TEST(SubmapGraph, IsNotDrawnAwayByAFilterThatIsElsewhere) {
   OpenDrive alone;
   alone.finish_with({});

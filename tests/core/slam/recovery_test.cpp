@@ -106,6 +106,36 @@ TEST_F(RecoveryTest, IsLostAfterAStepThatIsSurelyWrongAndMapsNothing) {
   EXPECT_EQ(recovery_.probability(), 0.0);
 }
 
+TEST_F(RecoveryTest, TellsHowLongNobodyKnewWhereTheRobotWas) {
+  params_.search.rival_ratio = 1.0;  // the room has a twin for few beams
+  Recovery recovery(params_, kScan, slam_);
+  for (int i = 0; i < params_.tracking.updates_min; ++i) {
+    recovery.note_update(1.0);
+  }
+  Motion motion = room_.motion();
+  const auto take = [&] {
+    return recovery.process(slam_,
+                            {.scan = room_.scan(), .update_T_scan = motion.previous_T_current, .motion = motion});
+  };
+  motion.probability = 0.6;
+  static_cast<void>(take());
+  EXPECT_EQ(recovery.unknown_s(), 0.0) << "it may be right";
+  motion.probability = 0.05;
+  static_cast<void>(take());
+  ASSERT_TRUE(recovery.lost());
+  EXPECT_DOUBLE_EQ(recovery.unknown_s(), 2.0 * motion.duration_s());
+  double unsure_s = recovery.unknown_s();
+  Advice advice = Advice::kHold;
+  while (advice == Advice::kHold && unsure_s < 15.0) {
+    room_.step();
+    motion = room_.motion();
+    unsure_s += motion.duration_s();
+    advice = take();
+    EXPECT_NEAR(recovery.unknown_s(), advice == Advice::kFound ? unsure_s : 0.0, 1e-9);
+  }
+  EXPECT_EQ(advice, Advice::kFound);
+}
+
 TEST_F(RecoveryTest, IsNotSureWhereTheParticlesDoNotAgree) {
   EXPECT_EQ(recovery_.state(0.5), Tracking::kDoubtful);
   EXPECT_EQ(recovery_.state(1.0), Tracking::kSure);
