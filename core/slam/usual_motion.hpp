@@ -19,18 +19,22 @@ class UsualMotion {
   void reset() { *this = UsualMotion(params_); }
 
   void add(const Pose2& previous_T_current) {
-    constexpr double kKept = 0.99;  // of the largest step, from scan to scan
-    step_m_ = std::max(previous_T_current.distance_m({}), kKept * step_m_);
-    step_rad_ = std::max(std::abs(previous_T_current.yaw_rad), kKept * step_rad_);
+    constexpr double kMemory_steps = 50.0;  // one far step among as many is less than kFar_share
+    const bool is_far =
+        previous_T_current.distance_m({}) > params_.leap_m || std::abs(previous_T_current.yaw_rad) > params_.leap_rad;
+    steps_ = std::min(steps_ + 1.0, kMemory_steps);
+    far_share_ += ((is_far ? 1.0 : 0.0) - far_share_) / steps_;
   }
 
   /// Whether scans follow each other so closely that one which matches or fits badly is news.
-  [[nodiscard]] bool is_dense() const { return step_m_ <= params_.leap_m && step_rad_ <= params_.leap_rad; }
+  [[nodiscard]] bool is_dense() const { return far_share_ < kFar_share; }
 
  private:
+  static constexpr double kFar_share = 0.06;  ///< of steps: one far step alone may be what is news
+
   TrackingParams params_;
-  double step_m_ = 0.0;
-  double step_rad_ = 0.0;
+  double steps_ = 0.0;
+  double far_share_ = 0.0;
 };
 
 }  // namespace odoless
