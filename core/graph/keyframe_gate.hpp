@@ -18,8 +18,8 @@ class KeyframeGate {
   explicit KeyframeGate(const GraphParams& params) : params_(params) {}
 
   /// Every motion, with or without its scan. @return  Whether a scan that it ends at should be a keyframe.
-  /// @param unknown_s  Over which it says nothing although it is credible by itself: the filter holds that tracking
-  ///                   broke off, or has found the robot. 0: it does say it.
+  /// @param unknown_s  Over which it says nothing although it is credible by itself: the filter was lost, and has
+  ///                   found the robot. 0: it does say it.
   [[nodiscard]] bool add(const Motion& motion, double unknown_s = 0.0);
   /// Of the scan that the last motion ended at.
   [[nodiscard]] int beams(const ScanFrame& scan) const {

@@ -70,10 +70,9 @@ Advice Recovery::process(Slam& slam, const TrackedScan& tracked) {
   if (!params_.enabled) {
     return Advice::kGoOn;
   }
-  const bool was_lost = lost();
-  const Advice advice = was_lost ? look_for_it(slam, tracked) : follow(slam, tracked);
+  const Advice advice = lost() ? look_for_it(slam, tracked) : follow(slam, tracked);
   unsure_s_ += std::max(0.0, tracked.motion.duration_s());
-  unknown_s_ = advice == Advice::kFound || (lost() && !was_lost) ? unsure_s_ : 0.0;
+  unknown_s_ = advice == Advice::kFound ? unsure_s_ : 0.0;
   unsure_s_ = state() == Tracking::kSure ? 0.0 : unsure_s_;
   return advice;
 }

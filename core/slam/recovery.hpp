@@ -56,8 +56,8 @@ class Recovery {
   [[nodiscard]] bool lost() const { return lost_; }
   /// That the pose is right within 0.5 m and 5 deg, as far as the scans tell.
   [[nodiscard]] double probability() const { return lost_ ? 0.0 : confidence_.right(); }
-  /// Where with the last scan tracking broke off or the robot was found: the time since its pose was last sure, of
-  /// which nobody knows where it was. Else 0.
+  /// Where with the last scan the robot was found: the time since its pose was last sure, of which nobody knows where
+  /// it was. Else 0.
   [[nodiscard]] double unknown_s() const { return unknown_s_; }
   /// Of the last scan; 1 before the first.
   [[nodiscard]] double fit() const { return last_fit_.mean; }

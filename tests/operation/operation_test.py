@@ -111,7 +111,7 @@ class OperationTest(unittest.TestCase):
 
     def test_nothing_else_is_installed(self):
         files = [path for path in glob.glob(self.installed("**"), recursive=True) if os.path.isfile(path)]
-        many = re.compile("include/odoless/(core|rt|drivers)/|lib/.*(cmake/odoless/|odoless.pc$|libodoless_(core|rt|drivers).a$)"
+        many = re.compile("include/odoless/(core|rt|drivers)/|include/odoless/odoless.h$|lib/.*(cmake/odoless/|odoless(-c)?.pc$|libodoless_(core|rt|drivers|c).a$)"
                           r"|share/doc/odoless-lcm-types/examples/odoless_ros2/|share/odoless/(lcm/\w+\.lcm|worlds/\w+\.world|robot[\w-]*\.toml)$")
         paths = [os.path.relpath(path, self.installed("")) for path in files]
         self.assertEqual(sorted(path for path in paths if not many.match(path)),
