@@ -33,15 +33,16 @@ void SubmapGraph::begin_path_anew(bool is_near) {
 }
 
 void SubmapGraph::keep_path(const Keyframe& next) {
-  if (next.since_last.is_torn() || (is_joined() && is_contradicted())) {
+  if (next.since_last.is_torn() || (is_joined() && unheld_ >= kOwn_submaps)) {
     begin_path_anew(true);
+  } else if (is_joined() && is_contradicted()) {
+    begin_path_anew(false);
   } else if (own_submaps() > kOwn_submaps && !has_work()) {
     forget_oldest();
   }
 }
 
-// The world knows the place of all of these, where they are taken to lie, and none is like it; or the path has left
-// what the world knows, and nothing that is kept of it was there.
+// The world knows the place of all of these, where they are taken to lie, and none is like it.
 bool SubmapGraph::is_contradicted() const {
   const auto world = graph_.poses().first(first_submap_);
   int known = 0;
@@ -50,7 +51,7 @@ bool SubmapGraph::is_contradicted() const {
                  ? 1
                  : 0;
   }
-  return known >= kUnlike_submaps || unheld_ >= kOwn_submaps;
+  return known >= kUnlike_submaps;
 }
 
 void SubmapGraph::note_closures() {
