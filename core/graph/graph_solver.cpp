@@ -16,6 +16,9 @@ constexpr double kConverged_m = 1e-3;
 constexpr double kLever_m = 20.0;  // of a turn that counts as a step
 constexpr double kFixed = 1e9;
 
+/// Of the first unknown of a node; each has three.
+Eigen::Index row_of(int node) { return Eigen::Index{3} * node; }
+
 double scaled_weight(double squared_error) {
   const double scale = std::min(1.0, 2.0 * kScaling / (kScaling + squared_error));
   return scale * scale;
@@ -66,8 +69,8 @@ double GraphSolver::add(const PoseGraph& graph, Constraint& constraint, bool in_
   } else {
     add_block(constraint.from, constraint.to, across.transpose());
   }
-  gradient_.segment<3>(3 * constraint.from) -= at.by_from.transpose() * weighted * at.error;
-  gradient_.segment<3>(3 * constraint.to) -= at.by_to.transpose() * weighted * at.error;
+  gradient_.segment<3>(row_of(constraint.from)) -= at.by_from.transpose() * weighted * at.error;
+  gradient_.segment<3>(row_of(constraint.to)) -= at.by_to.transpose() * weighted * at.error;
   return constraint.weight * squares;
 }
 
@@ -77,7 +80,7 @@ double GraphSolver::add(const PoseGraph& graph, const PosePrior& prior) {
   const double squares = at.error.dot(information * at.error);
   const Eigen::Matrix3d weighted = scaled_weight(squares) * information;
   add_block(prior.node, prior.node, at.by_to.transpose() * weighted * at.by_to);
-  gradient_.segment<3>(3 * prior.node) -= at.by_to.transpose() * weighted * at.error;
+  gradient_.segment<3>(row_of(prior.node)) -= at.by_to.transpose() * weighted * at.error;
   return scaled_weight(squares) * squares;
 }
 
@@ -94,7 +97,7 @@ void GraphSolver::add_block(int row, int column, const Eigen::Matrix3d& block) {
 double GraphSolver::move(PoseGraph& graph) const {
   double largest_m = 0.0;
   for (int node = graph.held(); node < graph.size(); ++node) {
-    const Eigen::Vector3d step = step_.segment<3>(3 * node);
+    const Eigen::Vector3d step = step_.segment<3>(row_of(node));
     Pose2& pose = graph.poses()[static_cast<std::size_t>(node)];
     pose = {pose.x_m + step.x(), pose.y_m + step.y(), wrap_angle(pose.yaw_rad + step.z())};
     largest_m = std::max({largest_m, std::abs(step.x()), std::abs(step.y()), kLever_m * std::abs(step.z())});
@@ -114,7 +117,7 @@ GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max, con
   bool has_converged = false;
   while (report.iterations < iterations_max && !has_converged) {
     entries_.clear();
-    gradient_.setZero(3 * graph.size());
+    gradient_.setZero(row_of(graph.size()));
     report.chi2 = 0.0;
     for (Constraint& constraint : graph.constraints()) {
       if (constraint.weight > 0.0 && std::max(constraint.from, constraint.to) >= graph.held()) {
@@ -129,7 +132,7 @@ GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max, con
         add_block(node, node, kFixed * Eigen::Matrix3d::Identity());
       }
     }
-    hessian_.resize(3 * graph.size(), 3 * graph.size());
+    hessian_.resize(row_of(graph.size()), row_of(graph.size()));
     hessian_.setFromTriplets(entries_.begin(), entries_.end());
     if (!is_analysed) {
       factor_.analyzePattern(hessian_);

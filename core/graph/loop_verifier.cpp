@@ -139,9 +139,8 @@ std::vector<LoopCandidate> LoopVerifier::verify(const PoseGraph& graph, int newe
   for (const std::size_t member : best.members) {
     out.push_back(pool_[member]);
   }
-  for (auto member = best.members.rbegin(); member != best.members.rend(); ++member) {
-    pool_.erase(pool_.begin() + static_cast<std::ptrdiff_t>(*member));
-  }
+  std::for_each(best.members.rbegin(), best.members.rend(),
+                [this](std::size_t member) { pool_.erase(pool_.begin() + static_cast<std::ptrdiff_t>(member)); });
   return out;
 }
 
