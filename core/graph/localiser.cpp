@@ -237,7 +237,7 @@ std::vector<std::size_t> Localiser::judge(int submaps) const {
     const double ahead = kWorth_margin - (is_expected(each) ? 0.0 : expected);
     return are_apart(each, *winner) && agreeing_with(each).worth > best.worth - ahead;
   });
-  const double needed = static_cast<double>(best.members.size()) > 1.0 ? kWorth_found : kWorth_guess;
+  const double needed = best.members.size() > 1 ? kWorth_found : kWorth_guess;
   const auto votes = static_cast<double>(best.members.size());
   const auto pieces = static_cast<double>(pieces_ - candidates_[best.members.front()].piece + 1);
   const bool is_enough = best.worth + expected >= needed + more_worth;

@@ -196,11 +196,11 @@ void SubmapGraph::begin_work(int query) {
   if (query < 1) {
     return;
   }
-  plan_.append(graph_, query, static_cast<int>(first_submap_), params_.candidates, kAny_m);
+  const auto first = static_cast<int>(first_submap_);
+  plan_.append(graph_, query, first, params_.candidates, kAny_m);
   for (int i = 0; i < kRevisited; ++i) {
-    const auto first = static_cast<int>(first_submap_);
     revisited_ = revisited_ < first || revisited_ >= query - 1 ? first : revisited_;
-    plan_.append(graph_, revisited_, static_cast<int>(first_submap_), kRevisited_candidates, kRevisited_sd_m);
+    plan_.append(graph_, revisited_, first, kRevisited_candidates, kRevisited_sd_m);
     ++revisited_;
   }
 }

@@ -7,22 +7,16 @@ map of `odoless replay`, and each wrong call its code.
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import unittest
 
 import drive
+from command import run
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 SCANS = 60
 STRICT = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
-
-
-def run(*command, **options):
-    outcome = subprocess.run(command, capture_output=True, text=True, check=False, **options)
-    assert outcome.returncode == 0, f"{command}: {outcome.stdout}{outcome.stderr}"
-    return outcome.stdout
 
 
 class CTest(unittest.TestCase):

@@ -12,16 +12,11 @@ import sys
 import unittest
 
 import drive
+from command import run
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 SYSTEM = {"libc.so.6", "libm.so.6", "libstdc++.so.6", "libgcc_s.so.1", "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"}
 EXAMPLES = os.path.join(HERE, "../../tools/examples")
-
-
-def run(*command, **options):
-    outcome = subprocess.run(command, capture_output=True, text=True, check=False, **options)
-    assert outcome.returncode == 0, f"{command}: {outcome.stdout[-3000:]}{outcome.stderr[-3000:]}"
-    return outcome.stdout
 
 
 class EmbeddedTest(unittest.TestCase):

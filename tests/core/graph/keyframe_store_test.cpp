@@ -54,6 +54,21 @@ TEST(KeyframeStore, GivesBackEachBeamWithin2Millimetres) {
   }
 }
 
+TEST(KeyframeStore, ForgetsKeyframesAndHasRoomForOthers) {
+  KeyframeStore store(4, 541);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(add(store, frame_of(std::vector<float>(static_cast<std::size_t>(100 + i), 1.0F + static_cast<float>(i)))),
+              i);
+  }
+  store.erase(1, 2);
+  ASSERT_EQ(store.size(), 2);
+  EXPECT_EQ(store[1].beams, 103);
+  EXPECT_NEAR(range_of(store.codes(1)[102]), 4.0F, 0.003F);
+  EXPECT_EQ(add(store, frame_of(std::vector<float>(120, 7.0F))), 2);
+  EXPECT_NEAR(range_of(store.codes(2)[0]), 7.0F, 0.003F);
+  EXPECT_NEAR(range_of(store.codes(0)[0]), 1.0F, 0.003F);
+}
+
 TEST(KeyframeStore, ThinsScansWithMoreBeamsThanItKeeps) {
   const ScanFrame scan = frame_of(std::vector<float>(1081, 3.0F));
   KeyframeStore store(4, 541);

@@ -34,6 +34,40 @@ void expect_near(const Eigen::Matrix3d& expected, const Eigen::Matrix3d& actual)
   EXPECT_LT((expected - actual).norm(), 0.05 * expected.norm()) << expected << "\n\n" << actual;
 }
 
+// 0 - 1 - 2 - 3, and a loop closure from 0 to 3: without 1 it is what would have been made without 1.
+TEST(PoseGraph, ForgetsNodesWithAllOfTheirConstraints) {
+  const auto constraint = [](int from, int to, bool is_loop) {
+    return Constraint{.from = from,
+                      .to = to,
+                      .from_T_to = {1.0, 0.0, 0.0},
+                      .covariance = diagonal({0.1, 0.1, 0.1}),
+                      .is_loop = is_loop};
+  };
+  PoseGraph graph(8, 8);
+  for (int node = 0; node < 4; ++node) {
+    graph.add_node({static_cast<double>(node), 0.0, 0.0});
+  }
+  for (int node = 1; node < 4; ++node) {
+    graph.add(constraint(node - 1, node, false));
+  }
+  graph.erase(1, 1);
+  ASSERT_EQ(graph.size(), 3);
+  EXPECT_EQ(graph.pose(1).x_m, 2.0);
+  ASSERT_EQ(graph.constraints().size(), 1U);
+  EXPECT_EQ(graph.constraints()[0].from, 1);
+  EXPECT_EQ(graph.constraints()[0].to, 2);
+  EXPECT_FALSE(graph.follows(1));
+  EXPECT_TRUE(graph.follows(2));
+  EXPECT_EQ(graph.component(2), 1) << "nothing leads to node 0 any more";
+  PoseGraph::Projection projection;
+  graph.project(0, projection);
+  EXPECT_EQ(projection.costs[2], PoseGraph::kUnreached);
+  graph.add(constraint(0, 2, true));
+  EXPECT_EQ(graph.component(1), 0);
+  graph.project(0, projection);
+  EXPECT_LT(projection.costs[1], PoseGraph::kUnreached);
+}
+
 TEST(PoseGraph, CarriesTheErrorOfAMotionOverTheNext) {
   const Pose2 a_T_b{1.0, 2.0, 0.5};
   const Pose2 b_T_c{-3.0, 1.0, 2.0};
