@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
-std::int64_t read_ns(clockid_t clock) {
+std::int64_t read_clock_ns(clockid_t clock) {
   timespec now{};
   clock_gettime(clock, &now);
   return static_cast<std::int64_t>(now.tv_sec) * kSecond_ns + now.tv_nsec;
@@ -21,9 +21,9 @@ std::int64_t read_epoch_ns() {
   std::int64_t epoch_ns = 0;
   std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
   for (int i = 0; i < 10; ++i) {
-    const std::int64_t before_ns = read_ns(CLOCK_MONOTONIC);
-    const std::int64_t realtime_ns = read_ns(CLOCK_REALTIME);
-    const std::int64_t took_ns = read_ns(CLOCK_MONOTONIC) - before_ns;
+    const std::int64_t before_ns = read_clock_ns(CLOCK_MONOTONIC);
+    const std::int64_t realtime_ns = read_clock_ns(CLOCK_REALTIME);
+    const std::int64_t took_ns = read_clock_ns(CLOCK_MONOTONIC) - before_ns;
     if (took_ns < least_ns) {
       least_ns = took_ns;
       epoch_ns = realtime_ns - before_ns - took_ns / 2;
@@ -36,7 +36,7 @@ std::int64_t read_epoch_ns() {
 
 MonotonicClock::MonotonicClock() : epoch_ns_(read_epoch_ns()) {}
 
-std::int64_t MonotonicClock::now_ns() const { return epoch_ns_ + read_ns(CLOCK_MONOTONIC); }
+std::int64_t MonotonicClock::now_ns() const { return epoch_ns_ + read_clock_ns(CLOCK_MONOTONIC); }
 
 void MonotonicClock::sleep_until(std::int64_t stamp_ns) {
   const std::int64_t end_ns = std::max<std::int64_t>(stamp_ns - epoch_ns_, 0);

@@ -43,4 +43,9 @@ struct Pose2 {
   return {p_a.x_m, p_a.y_m, wrap_angle(a_T_b.yaw_rad + b_T_c.yaw_rad)};
 }
 
+/// Whether two poses in one frame are nearer to each other than a distance and a turn.
+[[nodiscard]] inline bool are_within(const Pose2& a, const Pose2& b, double distance_m, double turn_rad) {
+  return a.distance_m(b) < distance_m && std::abs(wrap_angle(a.yaw_rad - b.yaw_rad)) < turn_rad;
+}
+
 }  // namespace odoless

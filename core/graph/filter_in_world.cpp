@@ -14,10 +14,6 @@ constexpr double kAgreement_rad = 0.02;
 constexpr double kReach_m = 6.0;    // from a submap's origin
 constexpr std::size_t kNewest = 4;  // submaps that the filter may have had elsewhere before the jump
 
-bool are_within(const Pose2& a, const Pose2& b, double distance_m, double turn_rad) {
-  return a.distance_m(b) < distance_m && std::abs(wrap_angle(a.yaw_rad - b.yaw_rad)) < turn_rad;
-}
-
 /// Whether a loop closure holds a submap from there on by one from before.
 bool is_found_since(const PoseGraph& graph, int submap) {
   return std::any_of(graph.constraints().begin(), graph.constraints().end(), [submap](const Constraint& each) {
@@ -39,6 +35,7 @@ void FilterInWorld::update(const SubmapGraph& graph) {
     if (claim_ && is_found_since(graph.graph(), claimed_at_)) {
       claim_.reset();
     }
+    claim_ = first_ == graph.first_submap() ? claim_ : std::nullopt;
     first_ = graph.first_submap();
     places_.resize(graph.submaps().size() - first_);
     for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -46,7 +43,7 @@ void FilterInWorld::update(const SubmapGraph& graph) {
       places_[i].local_T_submap = graph.submaps()[first_ + i].local_T_submap;
     }
   }
-  if (places_.empty() && (forgotten_ > 0 || graph.keyframes().size() > graph.first_keyframe())) {
+  if (places_.empty() && (forgotten_ > 0 || graph.has_path())) {
     begin_ = graph.map_T_odom();
   }
   guess_ = graph.guess();

@@ -42,10 +42,6 @@ constexpr double kVerify_m = 0.4;  // box of the match of the whole path
 constexpr double kVerify_rad = 0.06;
 constexpr double kExpected_m = 3.0;  // a robot that drove on for a second or two, and turned anyhow
 
-bool are_within(const Pose2& a, const Pose2& b, double distance_m, double turn_rad) {
-  return a.distance_m(b) < distance_m && std::abs(wrap_angle(a.yaw_rad - b.yaw_rad)) < turn_rad;
-}
-
 }  // namespace
 
 Localiser::Localiser(const GraphParams& params, const ScanParams& scan)
@@ -66,6 +62,16 @@ void Localiser::forget() {
   guess_.reset();
   expected_map_T_odom_.reset();
   stage_ = Stage::kIdle;
+}
+
+void Localiser::renumber(int first, int keyframes) {
+  while (!path_.empty() && path_.front().odom.keyframe < first + keyframes) {
+    path_.erase(path_.begin());
+    piece_begin_ -= piece_begin_ > 0 ? 1 : 0;
+  }
+  for (PathPoint& each : path_) {
+    each.odom.keyframe -= keyframes;
+  }
 }
 
 void Localiser::add(const KeyframeStore& store, int keyframe) {

@@ -51,12 +51,8 @@ class Localiser {
   [[nodiscard]] const std::optional<PieceMatch>& found() const { return found_; }
   /// From here on the path is another one.
   void forget();
-  /// So many keyframes before the path's last metres are no more. While there is no work.
-  void renumber(int keyframes) {
-    for (PathPoint& each : path_) {
-      each.odom.keyframe -= keyframes;
-    }
-  }
+  /// So many keyframes from that one on are no more, which are the path's oldest. While there is no work.
+  void renumber(int first, int keyframes);
 
  private:
   enum class Stage : std::uint8_t { kIdle, kLook, kMatch, kVerify };

@@ -1,8 +1,9 @@
 #include "core/graph/match_plan.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "core/math/principal_axes.hpp"
 
 namespace odoless {
 namespace {
@@ -15,8 +16,7 @@ constexpr double kAgain_m = 1.0;  // change of the predicted pose from which on 
 constexpr double kNear_sd_m = 0.35;
 
 double largest_sd(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
-  return std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
+  return std::sqrt(std::max(0.0, math::principal_axes<2>(covariance.topLeftCorner<2, 2>()).values(1)));
 }
 
 }  // namespace

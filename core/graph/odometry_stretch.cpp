@@ -1,6 +1,5 @@
 #include "core/graph/odometry_stretch.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,6 +7,7 @@
 #include "core/geometry/pose2_covariance.hpp"
 #include "core/graph/pose_graph.hpp"
 #include "core/math/elementary.hpp"
+#include "core/math/principal_axes.hpp"
 
 namespace odoless {
 namespace {
@@ -27,10 +27,10 @@ constexpr double kTorn_rad = 0.7;
 Point2 turned_back(const Point2& vector, double yaw_rad) { return Pose2{0.0, 0.0, -yaw_rad} * vector; }
 
 Point2 slip_of(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
-  const double sd_m = std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
+  const math::PrincipalAxes<2> extent = math::principal_axes<2>(covariance.topLeftCorner<2, 2>());
+  const double sd_m = std::sqrt(std::max(0.0, extent.values(1)));
   const double beyond_m = std::max(0.0, sd_m - kSlip_from_m);
-  return {beyond_m * axes.eigenvectors()(0, 1), beyond_m * axes.eigenvectors()(1, 1)};
+  return {beyond_m * extent.axes(0, 1), beyond_m * extent.axes(1, 1)};
 }
 
 }  // namespace

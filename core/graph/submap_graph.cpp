@@ -44,9 +44,13 @@ SubmapGraph::SubmapGraph(const GraphParams& params, const RobotLimits& limits, c
       matcher_(params, scan),
       plan_(params.submaps_max) {
   submaps_.reserve(static_cast<std::size_t>(params.submaps_max));
+  corrections_.reserve(kCorrections_max);
 }
 
 bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
+  if (!is_localising() && is_full()) {
+    go_over(WorldUse::kLocalise);
+  }
   if (is_localising()) {
     keep_path(keyframe);
   }
@@ -68,44 +72,9 @@ bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
   return has_work();
 }
 
-bool SubmapGraph::resume(const SubmapWorld& world, WorldUse use) {
-  const int keyframes = world.store.size();
-  const auto constraints = static_cast<int>(world.graph.constraints().size());
-  if (keyframes > params_.keyframes_max || world.graph.size() > params_.submaps_max || !graph_.has_room(constraints) ||
-      world.store.most_beams() > params_.keyframe_beams_max) {
-    return false;
-  }
-  for (int k = 0; k < keyframes; ++k) {
-    store_.add(world.store[k], world.store.codes(k));
-    store_.place(k, world.store.submap_T_scan(k));
-  }
-  for (int i = 0; i < world.graph.size(); ++i) {
-    graph_.add_node(world.graph.pose(i));
-  }
-  for (const Constraint& each : world.graph.constraints()) {
-    graph_.add(each);
-  }
-  submaps_.assign(world.submaps.begin(), world.submaps.end());
-  plan_.add_submaps(submaps_.size());
-  first_submap_ = submaps_.size();
-  first_keyframe_ = keyframes;
-  anchor_ = world.anchor;
-  use_ = use;
-  graph_.hold(is_localising() ? graph_.size() : 0);
-  revisited_ = static_cast<int>(first_submap_);
-  ++revision_;
-  for (std::size_t i = 0; i < submaps_.size(); ++i) {
-    anchor_keyframes_ += world.has(static_cast<int>(i)) ? submaps_[i].keyframes : 0;
-  }
-  if (!submaps_.empty()) {
-    localiser_.emplace(params_, scan_);
-  }
-  return true;
-}
-
 void SubmapGraph::localise() {
   const std::optional<Pose2> before = localiser_->guess();
-  static_cast<void>(localiser_->work(world(), static_cast<int>(first_submap_), matcher_, rng_));
+  static_cast<void>(localiser_->work(world(), searched_, matcher_, rng_));
   revision_ += before.has_value() != localiser_->guess().has_value() ? 1 : 0;
   if (const std::optional<PieceMatch> match = localiser_->found()) {
     localiser_->forget();
@@ -134,6 +103,7 @@ void SubmapGraph::join(const PieceMatch& match) {
   }
   const Pose2 keyframe_T_submap = store_.submap_T_scan(match.keyframe).inverse();
   const Pose2 reference_T_submap = match.reference_T_keyframe * keyframe_T_submap;
+  const Pose2 map_T_before = map_T_newest();
   const Pose2 old_T_new = graph_.pose(match.reference) * reference_T_submap * graph_.pose(*submap).inverse();
   graph_.move(graph_.component(is_in_world() ? match.reference : *submap),
               is_in_world() ? old_T_new.inverse() : old_T_new);
@@ -143,11 +113,13 @@ void SubmapGraph::join(const PieceMatch& match) {
               .covariance = carried(match.covariance, keyframe_T_submap),
               .is_loop = true});
   ++counts_.accepted;
+  note_closure(match.reference, *submap);
   is_to_solve_ = true;
   filter_.reset();  // it was of where the path was taken to lie
   anchor_ = match.reference;
   past_.join(old_T_new);
   localiser_.reset();
+  note_correction(CorrectionCause::kFound, map_T_before);
   is_confirmed_ = match.is_expected;
   note_closures();
   revisited_ = graph_.size() - 3;
@@ -162,7 +134,7 @@ void SubmapGraph::add_submap() {
   while (work()) {
   }
   const Submap& submap = builder_.finished();
-  if (own_submaps() == 0) {
+  if (path_begin() == submaps_.size()) {
     graph_.add_node(map_T_local_ * store_[submap.first_keyframe].map_T_odom * submap.odom_T_submap);
   } else {
     const int last = graph_.size() - 1;
@@ -174,7 +146,7 @@ void SubmapGraph::add_submap() {
         {.from = last, .to = node, .from_T_to = last_T_submap, .covariance = odometry.constraint_covariance(limits_)});
     filter_ = {
         .node = node,
-        .map_T_node = graph_.pose(static_cast<int>(first_submap_)) * submaps_[first_submap_].local_T_submap.inverse() *
+        .map_T_node = graph_.pose(static_cast<int>(path_begin())) * submaps_[path_begin()].local_T_submap.inverse() *
                       submap.local_T_submap,
         .covariance =
             Eigen::Vector3d(kFilter_m * kFilter_m, kFilter_m * kFilter_m, kFilter_rad * kFilter_rad).asDiagonal()};
@@ -193,10 +165,10 @@ void SubmapGraph::begin_work(int query) {
   plan_.clear();
   newest_query_ = query;
   phase_ = Phase::kMatch;
-  if (query < 1) {
+  const auto first = static_cast<int>(first_submap_);
+  if (query < 1 || (is_localising() && query < first)) {
     return;
   }
-  const auto first = static_cast<int>(first_submap_);
   plan_.append(graph_, query, first, params_.candidates, kAny_m);
   for (int i = 0; i < kRevisited; ++i) {
     revisited_ = revisited_ < first || revisited_ >= query - 1 ? first : revisited_;
@@ -273,7 +245,16 @@ void SubmapGraph::accept(const LoopCandidate& candidate, bool is_new) {
               .is_loop = true,
               .is_new = is_new});
   ++counts_.accepted;
+  if (!is_new) {
+    note_closure(candidate.reference, candidate.query);
+  }
   is_to_solve_ = true;
+}
+
+void SubmapGraph::note_closure(int reference, int query) {
+  ++next_correction_.loop_closures;
+  next_correction_.reference = reference;
+  next_correction_.query = query;
 }
 
 void SubmapGraph::verify() {
@@ -285,6 +266,7 @@ void SubmapGraph::verify() {
 }
 
 void SubmapGraph::solve() {
+  const Pose2 map_T_before = map_T_newest();
   counts_.solve_chi2 = solver_.solve(graph_, kIterations, filter_).chi2;
   bool again = false;
   for (Constraint& constraint : graph_.constraints()) {
@@ -292,6 +274,8 @@ void SubmapGraph::solve() {
       constraint.weight = 0.0;
       ++counts_.taken_out;
       again = true;
+    } else if (constraint.is_new) {
+      note_closure(constraint.from, constraint.to);
     }
     constraint.is_new = false;
   }
@@ -299,9 +283,39 @@ void SubmapGraph::solve() {
     counts_.solve_chi2 = solver_.solve(graph_, kIterations_again, filter_).chi2;
   }
   is_to_solve_ = false;
+  note_correction(CorrectionCause::kLoop, map_T_before);
   note_closures();
   ++revision_;
   phase_ = Phase::kIdle;
+}
+
+Pose2 SubmapGraph::map_T_newest() const {
+  return store_.size() > 0 ? map_T_odom() * store_[store_.size() - 1].odom_T_scan : Pose2{};
+}
+
+void SubmapGraph::note_correction(CorrectionCause cause, const Pose2& map_T_newest_before) {
+  MapCorrection correction = std::exchange(next_correction_, {});
+  if (correction.loop_closures == 0) {
+    return;
+  }
+  const Pose2 now = map_T_newest();
+  correction.stamp_ns = store_[store_.size() - 1].stamp_ns;
+  correction.cause = cause;
+  correction.moved = {now.x_m - map_T_newest_before.x_m, now.y_m - map_T_newest_before.y_m,
+                      wrap_angle(now.yaw_rad - map_T_newest_before.yaw_rad)};
+  if (corrections_.size() == kCorrections_max) {
+    corrections_.erase(corrections_.begin());
+  }
+  corrections_.push_back(correction);
+}
+
+std::optional<MapCorrection> SubmapGraph::take_correction() {
+  if (corrections_.empty()) {
+    return std::nullopt;
+  }
+  const MapCorrection oldest = corrections_.front();
+  corrections_.erase(corrections_.begin());
+  return oldest;
 }
 
 void SubmapGraph::finish() {
@@ -319,7 +333,7 @@ void SubmapGraph::finish() {
 
 // Where the path was lost: by the filter's map, which may have it yet.
 Pose2 SubmapGraph::map_T_odom() const {
-  if (own_submaps() == 0) {
+  if (path_begin() == submaps_.size()) {
     return store_.size() > first_keyframe_ ? map_T_local_ * store_[first_keyframe_].map_T_odom : lost_map_T_odom_;
   }
   const Submap& last = submaps_.back();
@@ -330,11 +344,14 @@ Pose2 SubmapGraph::map_T_odom() const {
 
 TrajectoryCorrection SubmapGraph::correction() const {
   TrajectoryCorrection correction;
-  for (const SubmapPlace& each : past_.submaps()) {
-    correction.add(each);
+  std::vector<SubmapPlace> places;
+  for (std::size_t i = run_begin_; i < submaps_.size(); ++i) {
+    places.push_back({submaps_[i].odom_T_submap, graph_.pose(static_cast<int>(i)), submaps_[i].origin_stamp_ns});
   }
-  for (std::size_t i = first_submap_; i < submaps_.size(); ++i) {
-    correction.add({submaps_[i].odom_T_submap, graph_.pose(static_cast<int>(i)), submaps_[i].origin_stamp_ns});
+  places.insert(places.end(), past_.submaps().begin(), past_.submaps().end());
+  std::ranges::stable_sort(places, {}, &SubmapPlace::origin_stamp_ns);
+  for (const SubmapPlace& each : places) {
+    correction.add(each);
   }
   return correction;
 }

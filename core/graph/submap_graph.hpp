@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -12,6 +11,7 @@
 #include "core/graph/keyframe_store.hpp"
 #include "core/graph/localiser.hpp"
 #include "core/graph/loop_verifier.hpp"
+#include "core/graph/map_correction.hpp"
 #include "core/graph/match_plan.hpp"
 #include "core/graph/past_path.hpp"
 #include "core/graph/pose_graph.hpp"
@@ -21,7 +21,7 @@
 
 namespace odoless {
 
-/// What a run does with a world that others have made: it grows and is corrected, or it stays as it is.
+/// What a run does with its world: it grows and is corrected, or it stays as it is.
 enum class WorldUse : std::uint8_t { kContinue, kLocalise };
 
 /// The world as a pose graph of submaps, from laser odometry alone: closes loops of any size, and says where the odom
@@ -36,6 +36,9 @@ enum class WorldUse : std::uint8_t { kContinue, kLocalise };
 /// found where they lie; from then on they are submaps like all others. Or it may only find its way in that world,
 /// which then stays as it is: of its own submaps it keeps the newest ones alone, and where it may have been carried, by
 /// a motion that is not credible, its path begins anew and is looked for, first where it was lost.
+///
+/// It may go over from one to the other at any time, and does so by itself where the world is full: from then on all
+/// that was mapped stays as it is, and what room is left is for the path.
 ///
 /// Frames: map, which is where the first keyframe has it (REP 105). odom never jumps; map_T_odom does, at a correction.
 /// Thread: owned by one thread. Not for real-time threads. The same scans, motions and random seed give the same bytes.
@@ -54,9 +57,13 @@ class SubmapGraph {
   SubmapGraph(const GraphParams& params, const RobotLimits& limits, const ScanParams& scan, std::uint64_t seed);
 
   /// Before the first keyframe: continues a world, which is copied. @return  Whether there is room for it: submaps,
-  /// constraints, keyframes, and beams of each.
+  /// constraints, keyframes, and beams of each. A world that is full stays as it is.
   [[nodiscard]] bool resume(const SubmapWorld& world, WorldUse use = WorldUse::kContinue);
   [[nodiscard]] bool is_localising() const { return use_ == WorldUse::kLocalise; }
+  /// To localise: does all work, and all that was mapped so far is the world; the path goes on where it is. Without a
+  /// submap it is nothing. To continue: what is kept of the path is the world's from now on; where it is not sure it
+  /// begins anew, expected where it is, and joins the world as any run does.
+  void go_over(WorldUse use);
   /// While it is not known where the path lies in that world, or always where it stays as it is: where the robot may be
   /// by now, or was last.
   void expect(const Pose2& map_T_scan) {
@@ -95,15 +102,21 @@ class SubmapGraph {
 
   /// From the newest submap on; behind a motion that is not credible as the particle filter had it over that.
   [[nodiscard]] Pose2 map_T_odom() const;
+  /// Whether anything says where odom lies.
+  [[nodiscard]] bool has_path() const { return is_chained_ || store_.size() > first_keyframe_; }
   [[nodiscard]] bool is_behind_unknown_motion() const { return builder_.is_behind_unknown_motion(); }
+  /// The oldest of the corrections by loop closures that nobody has taken yet; of more than 8 the newest ones.
+  [[nodiscard]] std::optional<MapCorrection> take_correction();
   /// Grows when submaps are new or have moved.
   [[nodiscard]] std::int64_t revision() const { return revision_; }
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
   /// A submap that the map is of: where the robot was found, else of the part with the most keyframes.
   [[nodiscard]] int anchor() const { return anchor_; }
-  /// The first submap and keyframe of this run.
+  /// The first submap and keyframe of the path: of this run, or since it has gone over.
   [[nodiscard]] std::size_t first_submap() const { return first_submap_; }
   [[nodiscard]] int first_keyframe() const { return first_keyframe_; }
+  /// Keyframes that are the world's, or will be.
+  [[nodiscard]] int mapped_keyframes() const { return is_localising() ? first_keyframe_ : store_.size(); }
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
   [[nodiscard]] const KeyframeStore& keyframes() const { return store_; }
   /// Own submaps that are no more.
@@ -117,13 +130,10 @@ class SubmapGraph {
     return {store_, graph_, submaps_, is_in_world() ? std::optional(map_T_odom()) : std::nullopt, anchor_};
   }
   [[nodiscard]] const Counts& counts() const { return counts_; }
-  /// Share of the fullest pool, 0 to 1: submaps, constraints, keyframes.
-  [[nodiscard]] double used() const {
-    const auto share = [](std::size_t size, int most) { return static_cast<double>(size) / most; };
-    return std::max({share(submaps_.size(), params_.submaps_max),
-                     share(graph_.constraints().size(), params_.constraints_max),
-                     share(static_cast<std::size_t>(store_.size()), params_.keyframes_max)});
-  }
+  /// Share of the fullest pool that the world has, of what is not left for a path in it: submaps, constraints,
+  /// keyframes.
+  [[nodiscard]] double used() const { return is_localising() ? world_used_ : share_used(); }
+  [[nodiscard]] bool is_full() const { return used() >= 1.0; }
   /// Where each of these poses was, as known now: between two submaps' origins a correction goes in with the travel.
   /// @param odom  odom_T_scan of all scans in their order, keyframes and others; some may lack.
   [[nodiscard]] std::vector<StampedPose> corrected(std::span<const StampedPose> odom) const;
@@ -138,9 +148,18 @@ class SubmapGraph {
   static constexpr int kUnlike_submaps = 6;  ///< of these, where the world has a submap within kKnown_m
   static constexpr double kKnown_m = 3.0;
   static constexpr std::size_t kConfirmed_submaps = 2;  ///< with loop closures, that confirm where the path was found
+  static constexpr std::size_t kCorrections_max = 8;
+  static constexpr int kPath_submaps = 48;  ///< for which a world leaves room, or a quarter where a pool is small
 
   [[nodiscard]] bool has_work() const { return phase_ != Phase::kIdle || (localiser_ && localiser_->has_work()); }
   [[nodiscard]] int own_submaps() const { return static_cast<int>(submaps_.size() - first_submap_); }
+  /// The path's first submap, or the world's last one where it goes on from that.
+  [[nodiscard]] std::size_t path_begin() const { return first_submap_ - (is_chained_ ? 1U : 0U); }
+  /// All that there is now is the world.
+  void take_as_world(WorldUse use);
+  [[nodiscard]] double share_used() const;
+  /// Whether there is hardly room for the next submap of a path.
+  [[nodiscard]] bool is_short_of_room() const;
   void localise();
   /// Joins this run's submaps to the world by this match of its path.
   void join(const PieceMatch& match);
@@ -161,8 +180,14 @@ class SubmapGraph {
   void begin_work(int query);
   void try_next();
   void accept(const LoopCandidate& candidate, bool is_new);
+  /// That it holds, for the next correction.
+  void note_closure(int reference, int query);
   void verify();
   void solve();
+  /// Where the map has the newest keyframe.
+  [[nodiscard]] Pose2 map_T_newest() const;
+  /// What the loop closures since the last correction have done to it.
+  void note_correction(CorrectionCause cause, const Pose2& map_T_newest_before);
 
   GraphParams params_;
   ScanParams scan_;
@@ -178,12 +203,16 @@ class SubmapGraph {
   std::optional<Localiser> localiser_;  ///< while it is not known where this run lies in the world
   std::size_t first_submap_ = 0;
   int first_keyframe_ = 0;
+  std::size_t run_begin_ = 0;              ///< first submap of this run
+  int searched_ = 0;                       ///< submaps in which the path is looked for
+  bool is_chained_ = false;                ///< odometry leads from the world's last submap to the path
   int anchor_ = 0;                         ///< SubmapWorld
   int anchor_keyframes_ = 0;               ///< of its part, before this run
   std::optional<PlaceBySubmap> expected_;  ///< of the next keyframe
   std::optional<PosePrior> filter_;        ///< where the particle filter has the newest submap
   MatchPlan plan_;
   WorldUse use_ = WorldUse::kContinue;
+  double world_used_ = 0.0;  ///< when it became the world
   PastPath past_;
   int forgotten_ = 0;
   bool is_confirmed_ = false;
@@ -197,6 +226,8 @@ class SubmapGraph {
   bool is_to_solve_ = false;
   Phase phase_ = Phase::kIdle;
   Counts counts_;
+  MapCorrection next_correction_;
+  std::vector<MapCorrection> corrections_;
   std::int64_t revision_ = 0;
 };
 

@@ -9,8 +9,7 @@ namespace odoless {
 void SubmapGraph::begin_path_anew(bool is_near) {
   while (work()) {
   }
-  const bool has_path = store_.size() > first_keyframe_;
-  if (has_path && is_near) {
+  if (has_path() && is_near) {
     const Keyframe& last = store_[store_.size() - 1];
     lost_map_T_odom_ = map_T_odom();
     map_T_local_ = lost_map_T_odom_ * last.map_T_odom.inverse();
@@ -28,7 +27,7 @@ void SubmapGraph::begin_path_anew(bool is_near) {
   static_cast<void>(builder_.finish(store_));
   erase_own(own_submaps(), store_.size() - first_keyframe_);
   localiser_.emplace(params_, scan_);
-  expected_ = lost_at_;
+  expected_ = is_near && !lost_at_ ? expected_ : lost_at_;
   unheld_ = 0;
 }
 
@@ -37,6 +36,10 @@ void SubmapGraph::keep_path(const Keyframe& next) {
     begin_path_anew(true);
   } else if (is_joined() && is_contradicted()) {
     begin_path_anew(false);
+  } else if (own_submaps() > 1 && is_short_of_room()) {
+    while (work()) {
+    }
+    forget_oldest();
   } else if (own_submaps() > kOwn_submaps && !has_work()) {
     forget_oldest();
   }
@@ -74,20 +77,20 @@ void SubmapGraph::forget_oldest() {
   erase_own(1, keyframes);
   builder_.renumber(keyframes);
   if (localiser_) {
-    localiser_->renumber(keyframes);
+    localiser_->renumber(first_keyframe_, keyframes);
   }
   if (hold && graph_.has_room(2)) {
     graph_.add(*hold);
   }
 }
 
-// As it lies now, as sure as the surest of the first one's loop closures and the odometry between them.
+// As it lies now, as sure as the surest of what holds the first one in the world and the odometry between them.
 std::optional<Constraint> SubmapGraph::hold_of_second() const {
   const auto first = static_cast<int>(first_submap_);
   const Constraint* surest = nullptr;
   const Constraint* step = nullptr;
   for (const Constraint& each : graph_.constraints()) {
-    if (each.is_loop && each.to == first && each.from < first && each.holds() &&
+    if (each.to == first && each.from < first && each.holds() &&
         (surest == nullptr || each.covariance.trace() < surest->covariance.trace())) {
       surest = &each;
     } else if (!each.is_loop && each.from == first && each.to == first + 1) {
@@ -117,6 +120,7 @@ void SubmapGraph::erase_own(int submaps, int keyframes) {
   matcher_.forget_from(first, params_.submaps_max);
   revisited_ = first;
   filter_.reset();
+  is_chained_ = false;
   forgotten_ += submaps;
   ++revision_;
 }

@@ -1,6 +1,5 @@
 #include "core/graph/submap_matcher.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
@@ -10,6 +9,7 @@
 #include "core/match/peak_covariance.hpp"
 #include "core/match/refine.hpp"
 #include "core/math/elementary.hpp"
+#include "core/math/principal_axes.hpp"
 
 namespace odoless {
 namespace {
@@ -192,9 +192,9 @@ SubmapMatch SubmapMatcher::match(const SubmapWorld& world, int reference, const 
   const auto top_of = [&] { return refine(in.exact_ndt(), query_.points, to_pose(peaks.best().point), kRefine_steps); };
   Refined top = top_of();
   Eigen::Matrix3d covariance = peak_covariance(top.derivatives, query_.points.size());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> first(covariance.topLeftCorner<2, 2>());
+  const Eigen::Vector2d first_weak = math::principal_axes<2>(covariance.topLeftCorner<2, 2>()).axes.col(1);
   const SearchPoint before = peaks.best().point;
-  probe(ground, where, {first.eigenvectors()(0, 1), first.eigenvectors()(1, 1)}, peaks);
+  probe(ground, where, {first_weak.x(), first_weak.y()}, peaks);
   if (peaks.best().point != before) {
     top = top_of();
     covariance = peak_covariance(top.derivatives, query_.points.size());
@@ -204,9 +204,9 @@ SubmapMatch SubmapMatcher::match(const SubmapWorld& world, int reference, const 
   out.is_inside = search_.box().holds(to_search_point(out.reference_T_query));
   judge(in.fine(), out);
 
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
-  const Eigen::Vector2d weak = axes.eigenvectors().col(1);
-  out.is_weak = axes.eigenvalues()(1) > kWeak_sd_m * kWeak_sd_m;
+  const math::PrincipalAxes<2> extent = math::principal_axes<2>(covariance.topLeftCorner<2, 2>());
+  const Eigen::Vector2d weak = extent.axes.col(1);
+  out.is_weak = extent.values(1) > kWeak_sd_m * kWeak_sd_m;
   if (peaks.size() > 1 && peaks.all()[1].score > kRival_ratio * peaks.best().score) {
     const SearchPoint& rival = peaks.all()[1].point;
     const Eigen::Vector2d way(rival[0] - peaks.best().point[0], rival[1] - peaks.best().point[1]);

@@ -29,13 +29,13 @@ struct PlaceBySubmap {
   Pose2 submap_T_scan{};
 };
 
-/// The submaps before and after one on its own path.
+/// The submaps before and after one on its own path; a world that is held ends where it is held.
 template <class Take>
 void for_each_neighbour(const PoseGraph& graph, int submap, const Take& take) {
-  if (graph.follows(submap)) {
+  if (graph.follows(submap) && submap != graph.held()) {
     take(submap - 1);
   }
-  if (submap + 1 < graph.size() && graph.follows(submap + 1)) {
+  if (submap + 1 < graph.size() && graph.follows(submap + 1) && submap + 1 != graph.held()) {
     take(submap + 1);
   }
 }

@@ -14,7 +14,7 @@ constexpr std::int8_t kWall = 8;
 constexpr std::int8_t kBesideWall = 5;
 constexpr std::int8_t kFree = -3;
 constexpr double kClear_m = 0.4;  // before a return, where free space ends
-constexpr double kVoxel_m = 0.25;
+constexpr double kSearchVoxel_m = 0.25;
 constexpr double kApart_m = 1.0;
 constexpr double kApart_rad = 0.2;
 
@@ -43,8 +43,8 @@ void WorldSearch::begin(const KeyframeStore& store, std::span<const PathScan> pi
       }
       const Point2 p = each.piece_T_scan * frame_.point(beam);
       constexpr std::int64_t kRow = 1 << 20;
-      const auto voxel = static_cast<std::int64_t>(std::floor(p.x_m / kVoxel_m)) * kRow +
-                         static_cast<std::int64_t>(std::floor(p.y_m / kVoxel_m));
+      const auto voxel = static_cast<std::int64_t>(std::floor(p.x_m / kSearchVoxel_m)) * kRow +
+                         static_cast<std::int64_t>(std::floor(p.y_m / kSearchVoxel_m));
       if (math::hypot(p.x_m, p.y_m) < kReach_m - kCell_m && voxels.insert(voxel).second) {
         all.push_back(p);
       }

@@ -4,7 +4,7 @@
 
 namespace odoless {
 namespace {
-constexpr int kReturns_min = 8;
+constexpr int kPoints_min = 8;
 
 NdtParams with_wide_cells(const ReferenceParams& params) {
   NdtParams out = params.ndt;
@@ -96,7 +96,7 @@ bool MatchReference::add_scan() {
 }
 
 void MatchReference::begin_grids() {
-  if (points_.size() < kReturns_min) {
+  if (points_.size() < kPoints_min) {
     points_.clear();
     stage_ = Stage::kDone;
     return;

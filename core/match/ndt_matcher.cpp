@@ -1,10 +1,10 @@
 #include "core/match/ndt_matcher.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "core/match/peak_covariance.hpp"
 #include "core/math/elementary.hpp"
+#include "core/math/principal_axes.hpp"
 
 namespace odoless {
 namespace {
@@ -145,10 +145,10 @@ void NdtMatcher::climb(const SearchGround& ground, const SearchOutcome& outcome,
   result.evaluations += top.evaluations;
   result.fitness = top.derivatives.score / returns_.size();
   result.covariance = peak_covariance(top.derivatives, returns_.size());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(-top.derivatives.hessian.topLeftCorner<2, 2>());
-  result.weak_direction = {axes.eigenvectors()(0, 0), axes.eigenvectors()(1, 0)};
-  result.weak_information_1_m2 = axes.eigenvalues()(0) / returns_.size();
-  result.strong_information_1_m2 = axes.eigenvalues()(1) / returns_.size();
+  const math::PrincipalAxes<2> held = math::principal_axes<2>(-top.derivatives.hessian.topLeftCorner<2, 2>());
+  result.weak_direction = {held.axes(0, 0), held.axes(1, 0)};
+  result.weak_information_1_m2 = held.values(0) / returns_.size();
+  result.strong_information_1_m2 = held.values(1) / returns_.size();
 }
 
 }  // namespace odoless

@@ -11,6 +11,8 @@
 #include <mutex>
 #include <utility>
 
+#include "rt/cpu_clock.hpp"
+
 namespace odoless {
 
 struct NameLookup::Request {
@@ -46,6 +48,21 @@ std::vector<std::string> numbers_of(const addrinfo* found) {
   return numbers;
 }
 
+// glibc's gai_suspend may also return before the lookup is done, with time left.
+bool wait_for(gaicb& entry, std::int64_t patience_ns) {
+  const std::array<const gaicb*, 1> list{&entry};
+  const std::int64_t until_ns = monotonic_ns() + patience_ns;
+  while (::gai_error(&entry) == EAI_INPROGRESS) {
+    const std::int64_t left_ns = until_ns - monotonic_ns();
+    if (left_ns <= 0) {
+      return false;
+    }
+    const timespec left{.tv_sec = left_ns / 1'000'000'000, .tv_nsec = left_ns % 1'000'000'000};
+    static_cast<void>(::gai_suspend(list.data(), 1, &left));
+  }
+  return true;
+}
+
 }  // namespace
 
 NameLookup::NameLookup() = default;
@@ -79,10 +96,7 @@ Result<std::vector<std::string>> NameLookup::find(const std::string& host, std::
       return Errc::kDeviceMissing;
     }
   }
-  const std::array<const gaicb*, 1> list{&request_->entry};
-  const timespec patience{.tv_sec = patience_ns / 1'000'000'000, .tv_nsec = patience_ns % 1'000'000'000};
-  static_cast<void>(::gai_suspend(list.data(), 1, &patience));
-  if (::gai_error(&request_->entry) == EAI_INPROGRESS) {
+  if (!wait_for(request_->entry, patience_ns)) {
     return Errc::kDeviceMissing;
   }
   const std::unique_ptr<Request> done = std::move(request_);

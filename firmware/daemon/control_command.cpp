@@ -74,10 +74,13 @@ Parsed parse_tilt(std::string_view arguments) {
                         .tilt = static_cast<TiltCommand>(std::distance(std::begin(kTiltCommandNames), found))};
 }
 
-Parsed parse_status(std::string_view arguments) {
+Parsed parse_question(std::string_view word, std::string_view arguments) {
   const std::string_view form = next_word(arguments);
   if ((!form.empty() && form != "json") || !next_word(arguments).empty()) {
-    return "status takes no argument but json";
+    return fmt::format("{} takes no argument but json", word);
+  }
+  if (word == "world") {
+    return ControlCommand{.kind = form.empty() ? Kind::kWorld : Kind::kWorldJson};
   }
   return ControlCommand{.kind = form.empty() ? Kind::kStatus : Kind::kStatusJson};
 }
@@ -104,8 +107,12 @@ struct Word {
   std::string_view name;
   Kind kind;
 };
-constexpr std::array<Word, 4> kPlainCommands{
-    {{"reset", Kind::kReset}, {"pause", Kind::kPause}, {"resume", Kind::kResume}, {"stop", Kind::kStop}}};
+constexpr std::array<Word, 6> kPlainCommands{{{"reset", Kind::kReset},
+                                              {"pause", Kind::kPause},
+                                              {"resume", Kind::kResume},
+                                              {"localise", Kind::kLocalise},
+                                              {"map", Kind::kMap},
+                                              {"stop", Kind::kStop}}};
 
 }  // namespace
 
@@ -114,8 +121,8 @@ Parsed parse_control_command(std::string_view line) {
   if (word == "pose") {
     return parse_pose(line);
   }
-  if (word == "status") {
-    return parse_status(line);
+  if (word == "status" || word == "world") {
+    return parse_question(word, line);
   }
   if (word == "tilt") {
     return parse_tilt(line);

@@ -91,20 +91,23 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
   }
   meter.note("pose graph: keyframes, submaps, constraints");
   std::vector<MemoryShare> shares = meter.take();
-  shares.push_back({"poses that wait for the disk", PoseSpool::kWaitingMax * sizeof(PoseSpool::Entry)});
-  shares.push_back({"stacks of the threads",
-                    (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes +
-                        (params.robot.graph.enabled ? GraphFeed::kStack_bytes + GraphFeed::kScratch_bytes : 0) +
-                        2 * kPublisherStack_bytes + kFirstStack_bytes});
+  const auto add = [&shares](std::string what, std::size_t bytes) {
+    shares.emplace_back().what = std::move(what);
+    shares.back().bytes = bytes;
+  };
+  add("poses that wait for the disk", PoseSpool::kWaitingMax * sizeof(PoseSpool::Entry));
+  add("stacks of the threads",
+      (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes +
+          (params.robot.graph.enabled ? GraphFeed::kStack_bytes + GraphFeed::kScratch_bytes : 0) +
+          2 * kPublisherStack_bytes + kFirstStack_bytes);
   if (!params.world.file.empty()) {
-    shares.push_back(
-        {"world file: its thread's stack, pages, what waits", WorldKeeper::kStack_bytes + WorldKeeper::kScratch_bytes});
+    add("world file: its thread's stack, pages, what waits", WorldKeeper::kStack_bytes + WorldKeeper::kScratch_bytes);
   }
   if (params.web.is_used()) {
-    shares.push_back({"page: stacks of its threads",
-                      static_cast<std::size_t>(WebServer::threads(params.web)) * WebServer::kStack_bytes});
+    add("page: stacks of its threads",
+        static_cast<std::size_t>(WebServer::threads(params.web)) * WebServer::kStack_bytes);
   }
-  shares.push_back({"program and libraries", program_bytes()});
+  add("program and libraries", program_bytes());
   return shares;
 }
 

@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <utility>
 #include <variant>
 
@@ -21,7 +20,6 @@
 #include "firmware/daemon/log.hpp"
 #include "firmware/daemon/service_manager.hpp"
 #include "firmware/health/health_text.hpp"
-#include "firmware/health/status.hpp"
 
 namespace odoless {
 namespace {
@@ -36,16 +34,6 @@ LineKeeper::Open laser_opener(const DaemonParams& params) {
   };
 }
 
-FilterCommand filter_command_of(const ControlCommand& command, const LaserPlace& laser, const Publisher& publisher) {
-  using Kind = FilterCommand::Kind;
-  if (command.kind == ControlCommand::Kind::kPose) {
-    return {Kind::kSetPose, publisher.to_local(laser.scan_of(command.map_T_robot))};
-  }
-  return {command.kind == ControlCommand::Kind::kPause    ? Kind::kPause
-          : command.kind == ControlCommand::Kind::kResume ? Kind::kResume
-                                                          : Kind::kReset};
-}
-
 }  // namespace
 
 Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t standing_reasons)
@@ -54,7 +42,8 @@ Supervisor::Supervisor(DaemonOptions& options, Machine& machine, std::uint32_t s
       keeper_(laser_opener(options.params), machine.line(), machine.pipeline().sensor.wake),
       tilt_keeper_([&options] { return open_tilt_line(options.params.tilt); }, machine.tilt_line(),
                    machine.pipeline().sensor.wake),
-      saver_(options, machine) {
+      saver_(options, machine),
+      commands_(options, machine, saver_, ending_) {
   surroundings_.standing_reasons = standing_reasons;
 }
 
@@ -265,74 +254,12 @@ std::string Supervisor::answer(std::string_view line, const ControlPeer& peer) {
     return "error: " + *refusal + "\n";
   }
   const auto& command = std::get<ControlCommand>(parsed);
-  const std::string said = obey(command);
-  if (command.kind != ControlCommand::Kind::kStatus && command.kind != ControlCommand::Kind::kStatusJson) {
+  const std::string said = commands_.obey(command);
+  if (!command.only_asks()) {
     log_line(EventPriority::kNotice, fmt::format("command '{}' of user {}, pid {}: {}", line, peer.uid, peer.pid,
                                                  said.substr(0, said.find('\n'))));
   }
   return said;
-}
-
-std::string Supervisor::obey(const ControlCommand& command) {
-  switch (command.kind) {
-    case ControlCommand::Kind::kStatus:
-      return status_text(status());
-    case ControlCommand::Kind::kStatusJson:
-      return status_json(status()).dump() + "\n";
-    case ControlCommand::Kind::kSave:
-      return begin_save(command);
-    case ControlCommand::Kind::kStop:
-      ending_ = true;
-      return "ok\n";
-    case ControlCommand::Kind::kTilt:
-      return command_tilt(command.tilt);
-    default:
-      return command_filter(command);
-  }
-}
-
-std::string Supervisor::command_tilt(TiltCommand command) {
-  if (machine_.tilt() == nullptr) {
-    return "error: there is no tilt servo (tilt.driver)\n";
-  }
-  machine_.tilt()->request(command);
-  machine_.pipeline().sensor.wake.notify();
-  return "ok\n";
-}
-
-std::string Supervisor::command_filter(const ControlCommand& command) {
-  if (!has_filter(options_.stages)) {
-    return "error: the filter runs elsewhere\n";
-  }
-  const LaserPlace laser = LaserPlace::of(options_.params.robot.mount);
-  if (command.kind == ControlCommand::Kind::kPose && machine_.publisher().expect(laser.scan_of(command.map_T_robot))) {
-    return "ok: the robot is looked for there\n";
-  }
-  if (!machine_.pipeline().commands.try_push(filter_command_of(command, laser, machine_.publisher()))) {
-    return "error: too many commands wait\n";
-  }
-  machine_.pipeline().filter.wake.notify();
-  return "ok\n";
-}
-
-DaemonStatus Supervisor::status() const {
-  DaemonStatus status = machine_.publisher().status();
-  status.save = saver_.status();
-  return status;
-}
-
-std::string Supervisor::begin_save(const ControlCommand& command) {
-  if (ending_) {
-    return "error: the daemon ends, and saves by itself\n";
-  }
-  if (command.folder.empty() && options_.folder.empty()) {
-    return "error: there is no folder for results (odolessd --out): name one (save /PATH)\n";
-  }
-  if (!saver_.begin({.folder = command.folder, .is_forced = command.is_forced})) {
-    return fmt::format("error: a save is under way ({}): ask again when it is done, as status says\n",
-                       saver_.status().doing);
-  }
-  return "ok: saving; status says when it is done\n";
 }
 
 // Commands are answered meanwhile, and the service manager is told that it takes its time as long as it gets on.

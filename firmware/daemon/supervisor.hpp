@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/daemon/control_command.hpp"
+#include "firmware/daemon/commands.hpp"
 #include "firmware/daemon/control_server.hpp"
 #include "firmware/daemon/machine.hpp"
 #include "firmware/daemon/saver.hpp"
@@ -48,11 +48,6 @@ class Supervisor {
   void follow_gpio();
   void reload();
   [[nodiscard]] std::string answer(std::string_view line, const ControlPeer& peer);
-  [[nodiscard]] std::string obey(const ControlCommand& command);
-  [[nodiscard]] std::string command_tilt(TiltCommand command);
-  [[nodiscard]] std::string command_filter(const ControlCommand& command);
-  [[nodiscard]] DaemonStatus status() const;
-  [[nodiscard]] std::string begin_save(const ControlCommand& command);
   [[nodiscard]] bool save_last(bool is_complete);
   void wait_for_saver();
   [[nodiscard]] int end();
@@ -70,8 +65,9 @@ class Supervisor {
   LineKeeper tilt_keeper_;
   Surroundings surroundings_;
   Saver saver_;
-  SignalReader signals_;
   bool ending_ = false;
+  Commands commands_;
+  SignalReader signals_;
   Errc laser_error_ = Errc::kOk;
   Errc tilt_error_ = Errc::kOk;
   std::int64_t next_watch_ns_ = 0;

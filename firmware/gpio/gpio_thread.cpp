@@ -12,7 +12,7 @@ namespace {
 bool is_high(PinLevel level) { return level == PinLevel::kHigh; }
 
 /// Of a line that may be lost.
-GpioLevel level_of(const Result<bool>& high) {
+GpioLevel gpio_level_of(const Result<bool>& high) {
   return !high.ok() ? GpioLevel::kLost : high.value() ? GpioLevel::kHigh : GpioLevel::kLow;
 }
 
@@ -130,7 +130,7 @@ void GpioThread::serve_stop(std::int64_t now_ns) {
     stop_line_.reset();
   }
   const Result<bool> level = stop_line_ ? stop_line_->level() : Result<bool>(Errc::kDeviceMissing);
-  recorder_.on_level(GpioPin::kStop, level_of(level), now_ns);
+  recorder_.on_level(GpioPin::kStop, gpio_level_of(level), now_ns);
   if (!level.ok()) {
     stop_line_.reset();
   }
@@ -162,7 +162,7 @@ void GpioThread::serve_sync(std::int64_t now_ns) {
     recorder_.on_edge(GpioPin::kSync, edge.high, stamp_ns);
   });
   const Result<bool> level = alive ? sync_line_->level() : Result<bool>(Errc::kDeviceMissing);
-  recorder_.on_level(GpioPin::kSync, level_of(level), now_ns);
+  recorder_.on_level(GpioPin::kSync, gpio_level_of(level), now_ns);
   if (!level.ok()) {
     sync_line_.reset();
   }
@@ -182,7 +182,7 @@ void GpioThread::serve_outputs(std::int64_t now_ns) {
 
 void GpioThread::set_output(std::optional<GpioLine>& line, GpioPin pin, bool high, std::int64_t now_ns) {
   const bool alive = line->set(high) == Errc::kOk;
-  recorder_.on_level(pin, alive ? level_of(high) : GpioLevel::kLost, now_ns);
+  recorder_.on_level(pin, alive ? gpio_level_of(high) : GpioLevel::kLost, now_ns);
   if (!alive) {
     line.reset();
   }

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <numbers>
+
+#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
@@ -80,6 +84,26 @@ std::string times_text(const ScanTimeFindings& times) {
   const std::string period =
       times.period_s > 0.0 ? fmt::format("scan period {:.3f} s estimated", times.period_s) : "scan period not known";
   return text.empty() ? period : text + "; " + period;
+}
+
+bool is_far(const MapCorrection& correction) {
+  constexpr double kFar_m = 0.5;
+  constexpr double kFar_rad = 5.0 / 180.0 * std::numbers::pi;
+  return math::hypot(correction.moved.x_m, correction.moved.y_m) > kFar_m ||
+         std::abs(correction.moved.yaw_rad) > kFar_rad;
+}
+
+std::string correction_text(const MapCorrection& correction) {
+  const int count = correction.loop_closures;
+  const std::string cause =
+      correction.cause == CorrectionCause::kFound
+          ? fmt::format("the robot was found in the world, at submap {}", correction.reference)
+          : fmt::format("{} between submaps {} and {}",
+                        count == 1 ? "a loop closure" : fmt::format("{} loop closures, the last one", count),
+                        correction.reference, correction.query);
+  return fmt::format("the pose is corrected by {:.2f} m and {:.1f} deg: {}",
+                     math::hypot(correction.moved.x_m, correction.moved.y_m),
+                     std::abs(correction.moved.yaw_rad) * 180.0 / std::numbers::pi, cause);
 }
 
 std::string state_sentence(const HealthReport& report) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/graph/map_correction.hpp"
 #include "firmware/records/health.hpp"
 
 namespace odoless {
@@ -19,6 +20,12 @@ namespace odoless {
 /// What the stamps of the scans were like: "631 stamps out of order, 2 gaps of up to 3.0 s; scan period 0.197 s
 /// estimated".
 [[nodiscard]] std::string times_text(const ScanTimeFindings& times);
+
+/// Whether a correction moves the robot by more than what a pose that is called OK may be off.
+[[nodiscard]] bool is_far(const MapCorrection& correction);
+
+/// "the pose is corrected by 0.62 m and 3.1 deg: 3 loop closures, the last one between submaps 12 and 87".
+[[nodiscard]] std::string correction_text(const MapCorrection& correction);
 
 /// One line for the log: the state and why.
 [[nodiscard]] std::string state_sentence(const HealthReport& report);

@@ -19,6 +19,7 @@ Channels::Channels(std::string_view prefix) {
   laser_pose = named("LASER_POSE");
   pose_covariance = named("POSE_COVARIANCE");
   map_to_odom = named("MAP_TO_ODOM");
+  correction = named("CORRECTION");
   map_tile = named("MAP_TILE");
   map = named("MAP");
   health = named("HEALTH");

@@ -30,6 +30,7 @@ struct Channels {
   std::string laser_pose;       ///< bot_core.pose_t, of the laser on it
   std::string pose_covariance;  ///< odoless.pose_estimate_t, of the robot
   std::string map_to_odom;      ///< bot_core.rigid_transform_t
+  std::string correction;       ///< odoless.correction_t
   std::string map_tile;         ///< odoless.map_tile_t
   std::string map;              ///< occ_map.pixel_map_t
   std::string health;           ///< odoless.health_t

@@ -26,8 +26,9 @@ constexpr std::string_view kUdp = "udpm://";
 // Why nothing can be sent to the group; 0: it can. liblcm would find out the same, and write fifteen lines about it to
 // standard error at each attempt.
 int route_error(const std::string& url) {
-  const Result<UdpAddress> wanted = parse_udp_address(url.substr(0, url.find('?')));
-  const UdpAddress to = wanted.ok() ? wanted.value() : UdpAddress{.group = 0xEFFF4C43, .port = 7667};  // liblcm's own
+  const Result<MulticastAddress> wanted = parse_udp_address(url.substr(0, url.find('?')));
+  const MulticastAddress to =
+      wanted.ok() ? wanted.value() : MulticastAddress{.group = 0xEFFF4C43, .port = 7667};  // liblcm's own
   sockaddr_in group{};
   group.sin_family = AF_INET;
   group.sin_port = htons(to.port);
@@ -68,6 +69,7 @@ struct LcmLink::Messages {
   pose_estimate_t pose_estimate{};
   bot_core::pose_t pose{};
   bot_core::rigid_transform_t map_to_odom{};
+  correction_t correction{};
   map_tile_t tile{};
   occ_map::pixel_map_t map{};
   health_t health{};
@@ -254,6 +256,11 @@ Errc LcmLink::publish(const PoseRecord& pose) {
   error = first_error(error, send(channels_.pose_covariance, messages_->pose_estimate));
   to_message(pose, messages_->map_to_odom);
   return first_error(error, send(channels_.map_to_odom, messages_->map_to_odom));
+}
+
+Errc LcmLink::publish(const MapCorrection& correction) {
+  to_message(correction, messages_->correction);
+  return send(channels_.correction, messages_->correction);
 }
 
 Errc LcmLink::publish(const MapTileRecord& tile, std::span<const std::uint8_t> cells) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/result.hpp"
+#include "core/graph/map_correction.hpp"
 #include "drivers/lrf/lrf_params.hpp"
 #include "firmware/lcm/authentication.hpp"
 #include "firmware/lcm/channels.hpp"
@@ -83,6 +84,7 @@ class LcmLink {
   /// Three messages: pose, pose with covariance, and where odom is in the map. The velocity is that of the last motion
   /// published, if that ended not more than a second from this pose.
   [[nodiscard]] Errc publish(const PoseRecord& pose);
+  [[nodiscard]] Errc publish(const MapCorrection& correction);
   [[nodiscard]] Errc publish(const MapTileRecord& tile, std::span<const std::uint8_t> cells);
   /// Health, that of the 3D map where there is one, and that the laser lives.
   [[nodiscard]] Errc publish(const HealthReport& health);

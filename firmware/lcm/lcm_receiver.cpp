@@ -8,24 +8,18 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <system_error>
 #include <utility>
 
 #include "firmware/lcm/datagram.hpp"
 #include "firmware/lcm/udp_address.hpp"
+#include "rt/cpu_clock.hpp"
 
 namespace odoless {
 namespace {
 
 constexpr std::size_t kDatagramMaxBytes = 65'536;  // UDP has none longer
 constexpr std::int64_t kNsPerS = 1'000'000'000;
-
-std::int64_t monotonic_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * kNsPerS + now.tv_nsec;
-}
 
 bool set_option(int descriptor, int level, int option, int value) {
   return setsockopt(descriptor, level, option, &value, sizeof(value)) == 0;
@@ -42,7 +36,7 @@ bool share_port(int descriptor) {
   return set_option(descriptor, SOL_SOCKET, SO_REUSEADDR, 1) && set_option(descriptor, SOL_SOCKET, SO_REUSEPORT, 1);
 }
 
-bool bind_to(int descriptor, const UdpAddress& address) {
+bool bind_to(int descriptor, const MulticastAddress& address) {
   sockaddr_in place{};
   place.sin_family = AF_INET;
   place.sin_port = htons(address.port);
@@ -50,7 +44,7 @@ bool bind_to(int descriptor, const UdpAddress& address) {
   return bind(descriptor, reinterpret_cast<const sockaddr*>(&place), sizeof(place)) == 0;
 }
 
-bool join(int descriptor, const UdpAddress& address) {
+bool join(int descriptor, const MulticastAddress& address) {
   ip_mreq membership{};
   membership.imr_multiaddr.s_addr = htonl(address.group);
   membership.imr_interface.s_addr = htonl(INADDR_ANY);
@@ -98,7 +92,7 @@ Errc LcmReceiver::prepare_key() {
 
 Errc LcmReceiver::open() {
   close();
-  const Result<UdpAddress> address = parse_udp_address(url_);
+  const Result<MulticastAddress> address = parse_udp_address(url_);
   if (!address.ok()) {
     return fail(address.error(), "'" + url_ + "' is not of the form udpm://239.255.76.67:7667");
   }

@@ -194,6 +194,15 @@ void to_message(const PoseRecord& pose, bot_core::rigid_transform_t& message) {
   to_quaternion(pose.map_T_odom.yaw_rad, message.quat);
 }
 
+void to_message(const MapCorrection& correction, correction_t& message) {
+  message.utime = utime(correction.stamp_ns);
+  message.cause = static_cast<std::int8_t>(correction.cause);
+  message.older_submap = correction.reference;
+  message.newer_submap = correction.query;
+  message.loop_closures = correction.loop_closures;
+  to_array(correction.moved, message.moved);
+}
+
 void to_message(const MapTileRecord& tile, std::int32_t sequence, map_tile_t& message) {
   message.utime = utime(tile.stamp_ns);
   message.sequence = sequence;

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <occ_map/pixel_map_t.hpp>
 #include <odoless/cloud_health_t.hpp>
+#include <odoless/correction_t.hpp>
 #include <odoless/health_t.hpp>
 #include <odoless/map_tile_t.hpp>
 #include <odoless/motion_t.hpp>
@@ -19,6 +20,7 @@
 #include <span>
 
 #include "core/geometry/pose2.hpp"
+#include "core/graph/map_correction.hpp"
 #include "drivers/lrf/lrf_params.hpp"
 #include "firmware/records/cloud_piece.hpp"
 #include "firmware/records/health.hpp"
@@ -61,6 +63,7 @@ void to_laser_message(const PoseRecord& pose, const Velocity& velocity, bot_core
 void to_message(const HealthReport& health, health_t& message);
 void to_message(const CloudHealth& cloud, std::int64_t stamp_ns, cloud_health_t& message);
 void to_message(const WorldHealth& world, const HealthReport& health, world_t& message);
+void to_message(const MapCorrection& correction, correction_t& message);
 /// All but the data, which are compressed.
 void to_message(const MapTileRecord& tile, std::int32_t sequence, map_tile_t& message);
 /// `map_T_odom` of a pose.

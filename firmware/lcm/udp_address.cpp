@@ -30,7 +30,7 @@ std::optional<std::uint32_t> multicast_group(std::string_view text) {
 
 }  // namespace
 
-Result<UdpAddress> parse_udp_address(std::string_view url) {
+Result<MulticastAddress> parse_udp_address(std::string_view url) {
   constexpr std::string_view kScheme = "udpm://";
   constexpr std::string_view kBuffer = "recv_buf_size=";
   if (!url.starts_with(kScheme)) {
@@ -48,7 +48,7 @@ Result<UdpAddress> parse_udp_address(std::string_view url) {
   if (!group || !port) {
     return Errc::kBadAddress;
   }
-  UdpAddress address{.group = *group, .port = static_cast<std::uint16_t>(*port)};
+  MulticastAddress address{.group = *group, .port = static_cast<std::uint16_t>(*port)};
   if (!option.empty()) {
     const auto bytes = option.starts_with(kBuffer)
                            ? whole_number(option.substr(kBuffer.size()), std::numeric_limits<int>::max())

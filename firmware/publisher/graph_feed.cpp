@@ -34,6 +34,7 @@ GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossles
       jobs_(kJobs),
       tiles_told_(kTiles),
       thread_({.name = "odo-graph", .stack_bytes = kStack_bytes}) {
+  corrections_.reserve(kCorrections);
   begin_anew();
   // Memory that was used once stays with the process (MemoryLock): what a step takes for a while is there already.
   std::vector<std::byte> scratch(kScratch_bytes);
@@ -48,10 +49,10 @@ bool GraphFeed::resume(const SubmapWorld& world, WorldUse use, const std::option
   if (last) {
     graph_->expect(*last);
   }
+  is_localising_ = graph_->is_localising();
   report();
   health_.place = place_;
   drawn_part_ = mapped_part(*graph_);
-  is_localising_ = graph_->is_localising();
   return has_room;
 }
 
@@ -85,12 +86,10 @@ void GraphFeed::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
   job.keyframe.since_last = std::exchange(since_left_out_, {}).then(keyframe.since_last);
   job.codes.assign(codes.begin(), codes.end());
   ++pushed_;
-  lock.unlock();
-  changed_.notify_all();
   if (observer_) {
-    observer_(job.keyframe, job.codes);  // nobody writes it but who adds
+    observer_(job.keyframe, job.codes);
   }
-  lock.lock();
+  changed_.notify_all();
   if (lossless_ && thread_.started()) {
     changed_.wait(lock, [this] { return waiting() == 0 && !is_busy_; });
   }
@@ -106,7 +105,8 @@ void GraphFeed::run() {
       is_busy_ = has_work;
       changed_.notify_all();
       changed_.wait(lock, [&] {
-        return has_work || has_drawing || waiting() > 0 || (has_untold_ && has_room_for_tile()) || is_ending_;
+        return has_work || has_drawing || waiting() > 0 || told_use_ || (has_untold_ && has_room_for_tile()) ||
+               is_ending_;
       });
       if (is_ending_) {
         return;
@@ -175,6 +175,16 @@ bool GraphFeed::next_tile(MapTileRecord& tile, std::span<std::uint8_t> cells) {
   return true;
 }
 
+std::optional<MapCorrection> GraphFeed::take_correction() {
+  const std::lock_guard lock(queue_mutex_);
+  if (corrections_.empty()) {
+    return std::nullopt;
+  }
+  const MapCorrection next = corrections_.front();
+  corrections_.erase(corrections_.begin());
+  return next;
+}
+
 void GraphFeed::place(PoseRecord& pose) {
   const std::lock_guard lock(queue_mutex_);
   if (pose.map_number != placed_number_) {
@@ -187,6 +197,12 @@ void GraphFeed::place(PoseRecord& pose) {
   pose.covariance = rows_of<3>(turned(matrix_of<3>(pose.covariance), turn_rad));
   health_.map_T_odom = map_T_odom;
   health_.place = place_;
+}
+
+void GraphFeed::go_over(WorldUse use) {
+  const std::lock_guard lock(queue_mutex_);
+  told_use_ = use;
+  changed_.notify_all();
 }
 
 bool GraphFeed::expect(const Pose2& map_T_scan) {
@@ -218,12 +234,13 @@ bool GraphFeed::take() {
       const std::lock_guard graph_lock(graph_mutex_);
       if (job.keyframe.map_number != map_number_) {
         map_number_ = job.keyframe.map_number;
-        is_localising_ ? graph_->begin_path_anew(false) : begin_anew();
+        graph_->is_localising() ? graph_->begin_path_anew(false) : begin_anew();
       }
       if (expected) {
         graph_->expect(*expected);
       }
       has_work = graph_->add(job.keyframe, job.codes) || has_work;
+      follow();
       report();
     }
     lock.lock();
@@ -231,7 +248,35 @@ bool GraphFeed::take() {
     lock.unlock();
     changed_.notify_all();
   }
+  go_over_as_told();
   return has_work;
+}
+
+void GraphFeed::go_over_as_told() {
+  std::unique_lock lock(queue_mutex_);
+  const std::optional<WorldUse> use = told_use_;
+  lock.unlock();
+  if (use) {
+    const std::lock_guard graph_lock(graph_mutex_);
+    graph_->go_over(*use);
+    follow();
+    report();
+    lock.lock();
+    told_use_ = told_use_ == use ? std::nullopt : told_use_;
+  }
+}
+
+void GraphFeed::follow() {
+  const std::lock_guard lock(queue_mutex_);
+  const bool was_localising = std::exchange(is_localising_, graph_->is_localising());
+  if (was_localising == is_localising_ || !follower_) {
+    return;
+  }
+  follower_(is_localising_ ? WorldUse::kLocalise : WorldUse::kContinue, map_number_, graph_->mapped_keyframes());
+  for (std::size_t i = taken_; i < pushed_; ++i) {
+    const Job& job = jobs_[i % kJobs];
+    observer_(job.keyframe, job.codes);
+  }
 }
 
 void GraphFeed::make_tiles() {
@@ -250,22 +295,31 @@ void GraphFeed::begin_anew() {
 void GraphFeed::report() {
   const SubmapGraph::Counts& counts = graph_->counts();
   const std::lock_guard lock(queue_mutex_);
-  health_ = {.submaps = static_cast<std::int64_t>(graph_->submaps().size()),
+  health_ = {.submaps = static_cast<std::int64_t>(graph_->map().submaps.size()),
              .loop_closures = counts.accepted - counts.taken_out,
+             .keyframes = graph_->mapped_keyframes(),
              .used = graph_->used(),
+             .is_localising = is_localising_,
              .keyframes_left_out = left_out_,
              .map_T_odom = health_.map_T_odom,
              .place = health_.place};
   place_ = graph_->is_in_world()  ? WorldPlaceKnown::kSure
            : graph_->is_guessed() ? WorldPlaceKnown::kGuessed
                                   : WorldPlaceKnown::kNo;
+  while (const auto correction = graph_->take_correction()) {
+    if (corrections_.size() < kCorrections) {
+      corrections_.push_back(*correction);
+    }
+  }
   placed_number_ = map_number_;
   filter_->update(*graph_);
 }
 
 GraphHealth GraphFeed::health() const {
   const std::lock_guard lock(queue_mutex_);
-  return health_;
+  GraphHealth health = health_;
+  health.is_going_over = told_use_.has_value();
+  return health;
 }
 
 bool GraphFeed::look(Patience patience, const std::function<void(const SubmapGraph&, int)>& show) {

@@ -36,7 +36,22 @@ void Publisher::attach(const RobotParams& robot, std::uint64_t seed) {
 
 void Publisher::keep_world(const WorldParams& params, const SessionRecord& session, int keyframes_max) {
   world_ = std::make_unique<WorldKeeper>(params, session, keyframes_max);
-  graph_->tell([this](const Keyframe& keyframe, std::span<const BeamCode> codes) { world_->add(keyframe, codes); });
+  graph_->tell([this](const Keyframe& keyframe, std::span<const BeamCode> codes) { world_->add(keyframe, codes); },
+               [this](WorldUse use, int map_number, int keyframes) { world_->follow(use, map_number, keyframes); });
+}
+
+// The file follows the graph; but mapping goes on only where the file can be written.
+void Publisher::go_over(WorldUse use) {
+  use == WorldUse::kContinue&& world_ ? world_->begin_mapping() : graph_->go_over(use);
+}
+
+// In this order: a file that has to follow is told so before the graph has gone over.
+std::optional<WorldStatus> Publisher::world_status() const {
+  if (!graph_) {
+    return std::nullopt;
+  }
+  const GraphHealth graph = graph_->health();
+  return WorldStatus{graph, world_ ? std::optional(world_->report()) : std::nullopt};
 }
 
 int Publisher::start_graph() {
@@ -53,6 +68,7 @@ void Publisher::round(std::int64_t now_ns) {
   log_events(pipeline_.sensor.log);
   log_events(pipeline_.matcher.log);
   log_events(pipeline_.filter.log);
+  take_corrections_of_graph();
   take_tiles_of_graph();
   refresh_tiles(now_ns);
   publish_cloud();
@@ -175,6 +191,15 @@ void Publisher::take_keyframe(std::span<const std::byte> bytes) {
 }
 
 // A few a round, so that poses don't wait behind them.
+void Publisher::take_corrections_of_graph() {
+  while (const auto correction = graph_ ? graph_->take_correction() : std::nullopt) {
+    static_cast<void>(link_.publish(*correction));
+    if (is_far(*correction)) {
+      log_line(EventPriority::kNotice, correction_text(*correction));
+    }
+  }
+}
+
 void Publisher::take_tiles_of_graph() {
   constexpr int kTilesPerRound = 4;
   MapTileRecord tile;

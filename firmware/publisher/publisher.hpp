@@ -11,6 +11,7 @@
 #include "core/grid/grid_geometry.hpp"
 #include "firmware/health/health_monitor.hpp"
 #include "firmware/health/status.hpp"
+#include "firmware/health/world_status.hpp"
 #include "firmware/lcm/lcm_link.hpp"
 #include "firmware/lcm/log_writer.hpp"
 #include "firmware/pipeline/pipeline.hpp"
@@ -63,6 +64,10 @@ class Publisher {
   FileFailure open_world() { return world_ ? world_->open(*graph_) : FileFailure{}; }
   /// Any thread: while it is not known where the robot is in the world, it may be there. @return  Whether that is so.
   bool expect(const Pose2& map_T_scan) { return graph_ && graph_->expect(map_T_scan); }
+  /// Any thread: has the pose graph, and with it the world file, go over to that. It takes a while: `world_status`.
+  void go_over(WorldUse use);
+  /// Any thread; none without a pose graph.
+  [[nodiscard]] std::optional<WorldStatus> world_status() const;
   /// Any thread: a pose of the map frame in the filter's own map.
   [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const {
     return graph_ ? graph_->to_local(map_T_scan) : map_T_scan;
@@ -112,6 +117,7 @@ class Publisher {
   void take_pose(std::span<const std::byte> bytes);
   void take_path(std::span<const StampedPose> path);
   void take_tile(const MapTileRecord& tile, std::span<const std::uint8_t> cells);
+  void take_corrections_of_graph();
   void take_tiles_of_graph();
   /// Publishes a share of all tiles again, so that who listens from now on has the whole map after the refresh time.
   void refresh_tiles(std::int64_t now_ns);

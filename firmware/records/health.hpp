@@ -104,7 +104,10 @@ enum class WorldPlaceKnown : std::uint8_t { kNo, kGuessed, kSure };
 struct GraphHealth {
   std::int64_t submaps = 0;
   std::int64_t loop_closures = 0;
-  double used = 0.0;                    ///< share of its fullest pool, 0 to 1
+  std::int64_t keyframes = 0;           ///< of the world
+  double used = 0.0;                    ///< share of its fullest pool, but for what is left for a path; 1: it is full
+  bool is_localising = false;           ///< the world stays as it is
+  bool is_going_over = false;           ///< it will do the other
   std::int64_t keyframes_left_out = 0;  ///< since start: it was too busy for them
   Pose2 map_T_odom{};                   ///< as the graph has it
   WorldPlaceKnown place = WorldPlaceKnown::kSure;

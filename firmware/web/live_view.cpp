@@ -26,7 +26,7 @@ constexpr std::int64_t kStateEvery_ns = 500'000'000;
 constexpr std::size_t kTrailPoints = 256;  // in one event
 
 // That the filter's grid touches, wherever it lies.
-int tiles_over(int cells) { return (cells + kSide_cells - 1) / kSide_cells + 1; }
+int tiles_across(int cells) { return (cells + kSide_cells - 1) / kSide_cells + 1; }
 
 std::size_t place(int at, int most) { return static_cast<std::size_t>(at % most + (at % most < 0 ? most : 0)); }
 
@@ -64,8 +64,8 @@ void append_runs(std::span<const std::uint8_t> levels, std::string& text) {
 LiveView::LiveView(const GridGeometry& geometry)
     : run_(fmt::format("{:x}", monotonic_ns())),
       cell_size_m_(geometry.resolution_m),
-      tile_columns_(tiles_over(geometry.columns)),
-      tile_rows_(tiles_over(geometry.rows)),
+      tile_columns_(tiles_across(geometry.columns)),
+      tile_rows_(tiles_across(geometry.rows)),
       tiles_(static_cast<std::size_t>(tile_columns_) * static_cast<std::size_t>(tile_rows_)),
       versions_(tiles_.size()),
       levels_(versions_.size() * kTileCells, kUnknownLevel) {

@@ -191,6 +191,14 @@ FileFailure WorldFile::write(const WorldPlace& place, const WorldChanges& change
   return failed;
 }
 
+FileFailure WorldFile::erase_keyframes(const WorldPlace& place, int from) {
+  FileFailure failed = transact([&] {
+    return Statement(database_, "DELETE FROM keyframe WHERE id >= ?").run(place.keyframe + from) && grow_revision();
+  });
+  identity_.revision += failed.any() ? 0 : 1;
+  return failed;
+}
+
 FileFailure WorldFile::transact(const std::function<bool()>& change) {
   if (FileFailure failed = database_.run("BEGIN IMMEDIATE"); failed.any()) {
     return failed;

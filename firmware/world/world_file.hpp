@@ -34,6 +34,8 @@ class WorldFile {
   FileFailure begin(const SessionRecord& session, WorldPlace& place);
   /// All of it or nothing, in one transaction.
   FileFailure write(const WorldPlace& place, const WorldChanges& changes);
+  /// Takes out the last session's keyframes from that one on, which are in no submap.
+  FileFailure erase_keyframes(const WorldPlace& place, int from);
 
   /// Writes all submaps and constraints anew, as a world that was read has them: with those that were made then, and
   /// its numbers. All of it or nothing.

@@ -26,7 +26,7 @@ WorldKeeper::WorldKeeper(const WorldParams& params, SessionRecord session, int k
       keyframes_max_(keyframes_max),
       thread_({.name = "odo-world", .stack_bytes = kStack_bytes}) {
   report_.file = params.file;
-  report_.is_read_only = is_read_only();
+  report_.is_read_only = params.mode == WorldUse::kLocalise;
   // Memory that was used once stays with the process (MemoryLock).
   std::vector<std::byte> scratch(kScratch_bytes);
   static_cast<volatile std::byte&>(scratch.back()) = {};
@@ -41,12 +41,13 @@ WorldKeeper::~WorldKeeper() {
 
 FileFailure WorldKeeper::open(GraphFeed& graph) {
   FileFailure failed =
-      is_read_only() ? file_.open_to_read(params_.file) : file_.open_to_write(params_.file, session_.program);
+      report_.is_read_only ? file_.open_to_read(params_.file) : file_.open_to_write(params_.file, session_.program);
   ContinuedWorld world;
   failed = failed.any() ? failed : world.read(file_, graph.params(), params_.mode);
   if (const StoredWorld* const stored = world.stored(); !failed.any() && stored != nullptr) {
     mirror_ = world.mirror();
     continued_ = mirror_.keyframes();
+    is_all_in_file_ = !report_.is_read_only || static_cast<int>(stored->submaps.size()) == stored->submaps_in_file;
     if (!graph.resume(stored->world(), params_.mode, last_place(*stored))) {
       failed = {EOVERFLOW, no_room_sentence(*stored, graph.params().graph)};
     }
@@ -54,15 +55,15 @@ FileFailure WorldKeeper::open(GraphFeed& graph) {
   report_.uuid = file_.identity().uuid;
   report_.revision = file_.identity().revision;
   written_ns_ = monotonic_ns();
-  if (is_read_only()) {
-    file_.close();
+  if (graph.health().is_localising) {
+    close();
   }
   return failed;
 }
 
 int WorldKeeper::start(GraphFeed& graph) {
   graph_ = &graph;
-  return is_read_only() ? 0 : thread_.start([this] { run(); });
+  return thread_.start([this] { run(); });
 }
 
 void WorldKeeper::end(Stage stage) {
@@ -100,7 +101,7 @@ WorldKeeper::Batch& WorldKeeper::batch_of(int map_number) {
 
 void WorldKeeper::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
   const std::lock_guard lock(mutex_);
-  if (is_read_only()) {
+  if (use_ != Use::kMapped) {
     return;
   }
   Batch& batch = batch_of(keyframe.map_number);
@@ -116,7 +117,7 @@ void WorldKeeper::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
 
 void WorldKeeper::add(const StampedPose& odom_T_scan, int map_number) {
   const std::lock_guard lock(mutex_);
-  if (is_read_only()) {
+  if (use_ != Use::kMapped) {
     return;
   }
   std::vector<StampedPose>& odometry = batch_of(map_number).odometry;
@@ -137,7 +138,7 @@ void WorldKeeper::run() {
   while (!changed_.wait_until(lock, begin + period, [this] { return stage_ != Stage::kRunning; })) {
     begin = Clock::now();
     lock.unlock();
-    round(kPatience);
+    keep_up(kPatience);
     lock.lock();
   }
   if (stage_ == Stage::kToEnd) {
@@ -150,11 +151,25 @@ void WorldKeeper::run() {
 
 void WorldKeeper::finish() {
   graph_->finish();
-  round(kAtTheEnd);
+  keep_up(kAtTheEnd);
   file_.close();
   if (const WorldReport last = report(); last.error != 0) {
     log_line(EventPriority::kError, fmt::format("world file {}: {}: {} keyframes of this run are not in it",
                                                 params_.file, last.reason, last.not_written));
+  }
+}
+
+void WorldKeeper::keep_up(GraphFeed::Patience patience) {
+  switch (use()) {
+    case Use::kMapped:
+      return round(patience);
+    case Use::kToBeClosed:
+      round(patience);
+      return end_mapping(patience);
+    case Use::kToBeOpened:
+      return reopen();
+    case Use::kClosed:
+      return;
   }
 }
 
@@ -170,7 +185,7 @@ bool WorldKeeper::write_some(GraphFeed::Patience patience) {
   bool has_more = false;
   if (map_number >= 0) {
     static_cast<void>(graph_->look(patience, [&](const SubmapGraph& graph, int graph_map_number) {
-      has_more = graph_map_number == map_number && mirror_.collect(graph.world(), changes);
+      has_more = graph_map_number == map_number && mirror_.collect(graph, changes);
     }));
     failed = file_.write(*place_, changes);
     if (failed.any()) {
@@ -195,13 +210,17 @@ FileFailure WorldKeeper::make_ready() {
   if (place_) {
     return {};
   }
-  session_.started = utc_text();
   WorldPlace place;
-  FileFailure failed = file_.begin(session_, place);
+  FileFailure failed = begin_session(place);
   if (!failed.any()) {
     place_ = continued_ > 0 ? WorldPlace{.session = place.session} : place;
   }
   return failed;
+}
+
+FileFailure WorldKeeper::begin_session(WorldPlace& place) {
+  session_.started = utc_text();
+  return file_.begin(session_, place);
 }
 
 int WorldKeeper::take(WorldChanges& changes) {
@@ -251,7 +270,7 @@ void WorldKeeper::note(const FileFailure& failed) {
     report_.uuid = file_.is_open() ? file_.identity().uuid : report_.uuid;
     report_.revision = file_.is_open() ? file_.identity().revision : report_.revision;
     report_.keyframes = std::max(0, mirror_.keyframes() - continued_);
-    report_.not_written = batches_.empty() ? 0 : batches_.front().seen - mirror_.keyframes();
+    report_.not_written = batches_.empty() ? 0 : std::max(0, batches_.front().seen - mirror_.keyframes());
     report_.session = place_ ? place_->session : 0;
     progress_ns_ = monotonic_ns();
     written_ns_ = failed.any() ? written_ns_ : progress_ns_;
@@ -269,7 +288,8 @@ void WorldKeeper::note(const FileFailure& failed) {
 WorldReport WorldKeeper::report() const {
   const std::lock_guard lock(mutex_);
   WorldReport report = report_;
-  report.age_s = is_read_only() ? 0.0 : static_cast<double>(monotonic_ns() - written_ns_) * 1e-9;
+  report.is_going_over = use_ == Use::kToBeClosed || use_ == Use::kToBeOpened;
+  report.age_s = report.is_read_only ? 0.0 : static_cast<double>(monotonic_ns() - written_ns_) * 1e-9;
   return report;
 }
 

@@ -25,9 +25,12 @@ namespace odoless {
 /// Where the file cannot be written, mapping goes on: what is missing is taken from the pose graph, which has it in any
 /// case, as soon as there is room. Of the poses of scans the last kOdometry_max wait, half an hour at 40 Hz.
 ///
-/// A world that the robot only finds its way in is read, and that is all: there is no thread.
+/// It follows the graph: when that goes over to localising, all of the world is written, and the file is closed and
+/// stays the same to the last byte. To map again the file is opened first, and the graph goes over when that could be
+/// done.
 ///
-/// Memory is bounded. Thread: `add` is the publisher's; `begin_end`, `is_ending` and `report` are any's.
+/// Memory is bounded. Thread: `add` is the publisher's, `follow` the graph's; those marked so are any's. Locks: the
+/// graph's come before its own.
 class WorldKeeper {
  public:
   static constexpr std::size_t kOdometry_max = 65'536;
@@ -51,12 +54,19 @@ class WorldKeeper {
   void add(const Keyframe& keyframe, std::span<const BeamCode> codes);
   /// Every scan's odom_T_scan.
   void add(const StampedPose& odom_T_scan, int map_number);
-  /// No more will be added: ends the pose graph, writes all and closes the file, on its thread.
+  /// The graph has gone over (GraphFeed::Follower).
+  void follow(WorldUse use, int map_number, int keyframes);
+  /// Any thread: opens the file again, on the keeper's thread, and has the graph go over to mapping. Refused where the
+  /// file is another by now, or has changed: `report` says so.
+  void begin_mapping();
+  /// Any thread: no more will be added: ends the pose graph, writes all and closes the file, on its thread.
   void begin_end();
+  /// Any thread.
   [[nodiscard]] bool is_ending() const;
-  /// Since it last got on with that.
+  /// Any thread: since it last got on with that.
   [[nodiscard]] std::int64_t since_progress_ns() const;
 
+  /// Any thread.
   [[nodiscard]] WorldReport report() const;
 
  private:
@@ -72,8 +82,18 @@ class WorldKeeper {
 
   enum class Stage : std::uint8_t { kRunning, kToEnd, kLeft, kEnded };
 
-  [[nodiscard]] bool is_read_only() const { return params_.mode == WorldUse::kLocalise; }
+  /// What the file is.
+  enum class Use : std::uint8_t { kMapped, kToBeClosed, kClosed, kToBeOpened };
+
+  [[nodiscard]] Use use() const;
   void run();
+  /// One of what there is to do every second.
+  void keep_up(GraphFeed::Patience patience);
+  void end_mapping(GraphFeed::Patience patience);
+  void reopen();
+  [[nodiscard]] FileFailure open_again();
+  [[nodiscard]] FileFailure begin_session(WorldPlace& place);
+  void close();
   void end(Stage stage);
   void finish();
   [[nodiscard]] Batch& batch_of(int map_number);
@@ -95,12 +115,15 @@ class WorldKeeper {
   WorldFile file_;
   std::optional<WorldPlace> place_;
   WorldMirror mirror_;
-  int continued_ = 0;  ///< keyframes that the world had; the first map's numbers go on from there
+  int continued_ = 0;           ///< keyframes that the world had; the first map's numbers go on from there
+  bool is_all_in_file_ = true;  ///< else submaps were made of keyframes that were in none
   GraphFeed* graph_ = nullptr;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Batch> batches_;
+  Use use_ = Use::kMapped;
+  int world_keyframes_ = 0;  ///< when the graph went over last
   WorldReport report_;
   std::int64_t written_ns_ = 0;
   std::int64_t progress_ns_ = 0;

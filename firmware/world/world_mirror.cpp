@@ -22,12 +22,13 @@ WorldMirror::WorldMirror(const SubmapWorld& world)
   }
 }
 
-bool WorldMirror::collect(const SubmapWorld& world, WorldChanges& changes) const {
+bool WorldMirror::collect(const SubmapGraph& graph, WorldChanges& changes) const {
+  const SubmapWorld world = graph.map();
   const KeyframeStore& store = world.store;
   changes.first_keyframe = keyframes_;
   int next = keyframes_ + static_cast<int>(changes.keyframes.size());
   const int most = next + kKeyframes_max;
-  for (; next < std::min(store.size(), most); ++next) {
+  for (; next < std::min(graph.mapped_keyframes(), most); ++next) {
     const std::span<const BeamCode> codes = store.codes(next);
     changes.keyframes.push_back({store[next], {codes.begin(), codes.end()}});
   }
@@ -49,7 +50,7 @@ bool WorldMirror::collect(const SubmapWorld& world, WorldChanges& changes) const
     }
   }
   collect_constraints(world.graph, count, changes);
-  return next < store.size();
+  return next < graph.mapped_keyframes();
 }
 
 void WorldMirror::collect_constraints(const PoseGraph& graph, int submaps, WorldChanges& changes) const {

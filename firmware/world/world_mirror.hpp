@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/graph/submap_world.hpp"
+#include "core/graph/submap_graph.hpp"
 #include "firmware/world/world_contents.hpp"
 
 namespace odoless {
@@ -21,10 +21,13 @@ class WorldMirror {
   explicit WorldMirror(const SubmapWorld& world);
 
   /// Adds what the file does not have: keyframes where `changes` has none yet, submaps whose keyframes are there,
-  /// constraints, poses and weights. @return  Whether there is more.
-  bool collect(const SubmapWorld& world, WorldChanges& changes) const;
+  /// constraints, poses and weights. Of a path in a world that stays as it is there is nothing.
+  /// @return  Whether there is more.
+  bool collect(const SubmapGraph& graph, WorldChanges& changes) const;
   /// These are in the file.
   void take(const WorldChanges& changes);
+  /// Keyframes from that one on, which are in no submap, are no more in the file.
+  void forget_keyframes(int from) { keyframes_ = from; }
 
   [[nodiscard]] int keyframes() const { return keyframes_; }
 

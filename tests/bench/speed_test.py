@@ -3,14 +3,15 @@
 
 usage: speed_test.py BENCH_CORE
 
-The ratio of the two scores compares medians of one run only; the dissertation's match and the lasers' streams are CPU time. So a busy machine, which
-slows all alike, does not fail it.
+All of it compares within one run, so that a slow machine, which slows all alike, does not fail it: CPU time is that of a core that scores 50 million
+points a second with the exact NDT of a textbook.
 """
 
 import json
 import subprocess
 import sys
 
+PLAIN_SCORE = 50e6  # points per second of the exact NDT, of the core that the promises are about
 SPEED_UP_MIN = 8.0  # points per second of the raster over those of the exact NDT
 CLOUD_CORE_SHARE_MAX = 0.1  # CPU time of 40 scans of 1081 beams put into the 3D map, over a second
 SEED_MATCH_MAX_MS = 4.0  # CPU time of N = 100, G = 50 with the making of the reference
@@ -41,17 +42,19 @@ def main():
     if len(sys.argv) != 2:
         raise SystemExit(__doc__)
     results = run(sys.argv[1], "BM_NdtScore|BM_SeedMatch|BM_Cloud", 0.2)
-    streams = run(sys.argv[1], "BM_LaserStream", 0.03)
+    streams = run(sys.argv[1], "BM_LaserStream|BM_NdtScore/plain", 0.03)
     plain = median(results, "BM_NdtScore/plain", "items_per_second")
     product = median(results, "BM_NdtScore/product", "items_per_second")
-    seed_match_ms = median(results, "BM_SeedMatch", "cpu_time")
+    core, core_of_streams = (median(each, "BM_NdtScore/plain", "items_per_second") / PLAIN_SCORE for each in (results, streams))  # in terms of that one
+    seed_match_ms = core * median(results, "BM_SeedMatch", "cpu_time")
     print(f"data: {results[0].get('label', 'unknown')}")
+    print(f"this core: {core:.2f} of that of the promises, {core_of_streams:.2f} later")
     print(f"score: {plain / 1e6:.1f} and {product / 1e6:.1f} million points/s, ratio {product / plain:.1f} (at least {SPEED_UP_MIN})")
     print(f"seed match: {seed_match_ms:.2f} ms CPU (at most {SEED_MATCH_MAX_MS})")
-    cloud_share = 40.0 * 1081.0 / median(results, "BM_Cloud/product", "items_per_second")
-    plain_cloud_share = 40.0 * 1081.0 / median(results, "BM_Cloud/plain", "items_per_second")
+    cloud_share = core * 40.0 * 1081.0 / median(results, "BM_Cloud/product", "items_per_second")
+    plain_cloud_share = core * 40.0 * 1081.0 / median(results, "BM_Cloud/plain", "items_per_second")
     print(f"3D map: {100 * cloud_share:.2f} % of a core at 40 Hz of 1081 beams (at most {100 * CLOUD_CORE_SHARE_MAX:.0f} %), plain {100 * plain_cloud_share:.1f} %")
-    decoded = {r["label"]: r["streamed_per_cpu"] for r in streams if r["aggregate_name"] == "median"}
+    decoded = {r["label"]: r["streamed_per_cpu"] / core_of_streams for r in streams if r["aggregate_name"] == "median" and "streamed_per_cpu" in r}
     slowest = min(decoded, key=decoded.get)
     print(f"laser streams: {decoded[slowest]:.0f} s of {slowest}, the slowest of {len(decoded)}, in a second of CPU time (at least {LASER_STREAM_MIN:.0f})")
     fast_enough = product / plain >= SPEED_UP_MIN and seed_match_ms <= SEED_MATCH_MAX_MS

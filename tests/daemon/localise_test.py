@@ -90,6 +90,61 @@ class Localise(WorldCase):
         self.wait_until(lambda: self.state().startswith("OK"), FOUND_S)
         self.stop_in_time(daemon)
 
+    # A robot that maps, then only finds its way in what it has mapped, then maps again: one map, and always OK.
+    def test_goes_over_and_back_while_it_runs(self):
+        self.start_laser("--truth", self.path("truth.tum"))
+        daemon = self.start_daemon("--world", self.path("w"))
+        self.wait_until(self.state, 20)
+        self.wait_until(lambda: self.world_json()["submaps"] > 2 and self.state().startswith("OK"), 60)
+        self.assertIn("the map grows", self.answer("world"))
+        self.assertIn("localise: the map stays as it is", self.go_over("localise"))
+        before, world = content(self.path("w")), self.world_json()
+        self.assertEqual((world["mode"], world["place"], world["error"]), ("localise", "sure", ""))
+        self.assertEqual(self.count("keyframe"), world["keyframes"])
+        self.assertEqual(self.status_json()["world"]["mode"], "localise")
+        self.assertIn("that is what it does", self.answer("localise"))
+        at = self.status_json()["pose"]
+        self.wait_until(lambda: math.dist([at[k] for k in ("x_m", "y_m")], [self.status_json()["pose"][k] for k in ("x_m", "y_m")]) > 1.0, 60)
+        self.assertEqual(content(self.path("w")), before)
+        self.assertIn("continue: the map grows", self.go_over("map"))
+        self.wait_until(lambda: self.world_json()["place"] == "sure", FOUND_S)
+        self.wait_until(lambda: self.world_json()["submaps"] > world["submaps"] + 1, 60)
+        self.stop_in_time(daemon)
+        self.world("check", self.path("w"))
+        sessions = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
+        self.assertEqual(len(sessions), 2)
+        self.assertEqual(sessions[-1]["joined_submaps"], sum(each["submaps"] for each in sessions))
+        apart = self.apart_m()
+        print(f"  at most {max(apart):.3f} m from the truth, over {len(apart)} poses")
+        self.assertLess(max(apart), WAY_M)
+
+    def test_maps_no_more_into_a_file_that_is_another(self):
+        self.start_laser()
+        daemon = self.start_daemon("--world", self.path("w"))
+        self.wait_until(self.state, 20)
+        self.wait_until(lambda: self.world_json()["keyframes"] > 3, 60)
+        self.go_over("localise")
+        os.rename(self.path("w"), self.path("aside"))
+        refused = self.ctl("map")
+        self.assertEqual(refused.returncode, EX_DATAERR)
+        self.assertIn("it is not there any more", refused.stderr)
+        self.assertIn("mapping does not go on: it is not there any more", self.answer("world"))
+        os.rename(self.path("aside"), self.path("w"))
+        self.go_over("map")
+        self.stop_in_time(daemon)
+
+    # Without a file the map in memory is what the robot finds its way in.
+    def test_goes_over_without_a_file(self):
+        self.start_laser()
+        daemon = self.start_daemon()
+        self.wait_until(self.state, 20)
+        self.wait_until(lambda: self.world_json()["keyframes"] > 3, 60)
+        self.assertIn("in memory alone", self.go_over("localise"))
+        self.assertEqual(self.world_json()["mode"], "localise")
+        self.go_over("map")
+        self.assertEqual(self.world_json()["mode"], "continue")
+        self.stop_in_time(daemon)
+
     def test_refuses_a_world_without_a_map(self):
         def daemon(*options):
             return run("odolessd", "--config", self.config, *options)

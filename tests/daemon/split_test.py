@@ -26,6 +26,7 @@ WORLD = os.path.join(SOURCES, "tools", "worlds", "rooms.world")
 GROUP = "239.255.76.67"
 LASER = ("--lrf", "utm-30lx")
 RATE = 2  # recorded seconds per second
+EVERY = 2  # of the scans one is taken: a slow machine must keep up, or records are dropped, as they should be
 GAP_S = (16.0, 19.0)  # no scans
 CARRIED_S = (26.0, 32.0)  # cut out: at its begin the robot is at once where it was at its end
 END_S = 45.0
@@ -48,6 +49,13 @@ def poses(path):
     with open(path, encoding="utf-8") as file:
         rows = [line.split() for line in file if not line.startswith("#")]
     return {row[0]: (float(row[1]), float(row[2])) for row in rows}
+
+
+def thin_out(log):
+    with open(log, encoding="utf-8") as lines:
+        kept = [line for i, line in enumerate(lines) if line.startswith("#") or i % EVERY == 0]
+    with open(log, "w", encoding="utf-8") as out:
+        out.writelines(kept)
 
 
 def interrupt(log, interrupted):
@@ -153,6 +161,7 @@ class Runs:
         self.begun = {}
         self.log, self.interrupted = self.path("rooms.log"), self.path("interrupted.log")
         subprocess.run(program("odoless", "sim", WORLD, *LASER, "--out", self.log), check=True, stdout=subprocess.DEVNULL)
+        thin_out(self.log)
         interrupt(self.log, self.interrupted)
         self.short, self.key = self.path("short.log"), self.path("key")
         with open(self.log, encoding="utf-8") as lines, open(self.short, "w", encoding="utf-8") as out:

@@ -46,6 +46,15 @@ class WorldCase(DaemonCase):
     def status_json(self):
         return json.loads(self.answer("status json"))
 
+    def world_json(self):
+        return json.loads(self.answer("world json"))
+
+    def go_over(self, command):
+        """`localise` or `map`, which answers when it is done."""
+        outcome = self.ctl(command)
+        self.assertEqual(outcome.returncode, 0, outcome.stderr)
+        return outcome.stdout
+
     def poses(self, path):
         with open(self.path(path), encoding="utf-8") as file:
             rows = [[float(value) for value in line.split()] for line in file if not line.startswith("#")]

@@ -251,6 +251,30 @@ class World(WorldCase):
         self.disk("sound")
         self.world("check", self.path("w"))
 
+    # A map that has no more room stays as it is, and the robot finds its way in it; so does one that is gone on with.
+    def test_a_world_that_is_full_stays_as_it_is(self):
+        with open(self.config, "a", encoding="utf-8") as file:
+            file.write("\n[graph]\nsubmaps_max = 16\n")
+        self.start_laser()
+        daemon = self.start_daemon("--world", self.path("w"))
+        self.wait_until(self.state, 20)
+        self.wait_until(lambda: self.world_json()["mode"] == "localise", 180)
+        before = content(self.path("w"))
+        for _ in range(2):
+            self.assertEqual(self.world_json()["room_used"], 1.0)
+            self.wait_until(lambda: self.world_json()["place"] == "sure" and self.state().startswith("DEGRADED: the map is full"), 60)
+            full = self.ctl("map")
+            self.assertEqual(full.returncode, EX_DATAERR)
+            self.assertIn("the map is full: raise graph.submaps_max", full.stderr)
+            at = self.status_json()["pose"]
+            self.wait_until(lambda: math.dist([at[k] for k in ("x_m", "y_m")], [self.status_json()["pose"][k] for k in ("x_m", "y_m")]) > 1.0, 60)
+            self.stop_in_time(daemon)
+            self.assertEqual(content(self.path("w")), before)
+            daemon = self.start_daemon("--world", self.path("w"))
+            self.wait_until(self.state, 20)
+        self.stop_in_time(daemon)
+        self.world("check", self.path("w"))
+
     def test_makes_a_file_anew_that_was_removed(self):
         daemon = self.start_world()
         before = self.count("keyframe")

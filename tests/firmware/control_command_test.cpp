@@ -24,6 +24,10 @@ std::string refusal_of(std::string_view line) {
 TEST(ControlCommand, ReadsEachCommand) {
   for (const auto& [line, kind] : {std::pair{"status", Kind::kStatus},
                                    {"status json", Kind::kStatusJson},
+                                   {"world", Kind::kWorld},
+                                   {"world json", Kind::kWorldJson},
+                                   {"localise", Kind::kLocalise},
+                                   {"map", Kind::kMap},
                                    {"save", Kind::kSave},
                                    {"reset", Kind::kReset},
                                    {"pause", Kind::kPause},
@@ -73,7 +77,7 @@ TEST(ControlCommand, RefusesAPoseThatCannotBe) {
 TEST(ControlCommand, RefusesWhatIsNoneAndSaysWhatThereIs) {
   for (const char* const line : {"", "dance", "statusx", "STATUS", "pose1 2 3"}) {
     EXPECT_THAT(refusal_of(line),
-                HasSubstr("is no command; there are status [json], save [[--force] /PATH], reset, pose"))
+                HasSubstr("is no command; there are status [json], world [json], save [[--force] /PATH], reset, pose"))
         << line;
   }
   EXPECT_THAT(refusal_of("tilt up"), HasSubstr("level, sweep, stop"));

@@ -19,11 +19,12 @@
 
 #include "core/base/rng.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 
 /// A server, its clients and the time, all in this thread's hands.
 class ControlServerTest : public ::testing::Test {

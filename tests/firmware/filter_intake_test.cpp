@@ -12,14 +12,14 @@
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kPeriod_ns = 100'000'000;
+constexpr std::int64_t kScan_ns = 100'000'000;
 
 /// The robot goes round in a circle; motion k leads from scan k - 1 to scan k.
 Pose2 odom_T_scan(int index) { return {0.1 * index, 0.02 * index * index, 0.05 * index}; }
 
 Motion motion(int index) {
-  Motion motion = Motion::between((index - 1) * kPeriod_ns, index * kPeriod_ns,
-                                  odom_T_scan(index - 1).inverse() * odom_T_scan(index));
+  Motion motion =
+      Motion::between((index - 1) * kScan_ns, index * kScan_ns, odom_T_scan(index - 1).inverse() * odom_T_scan(index));
   motion.odom_T_current = odom_T_scan(index);
   motion.set_error(
       ErrorProcess::independent(motion.previous_T_current, Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal()));
@@ -31,7 +31,7 @@ class FilterIntakeTest : public ::testing::Test {
  protected:
   void scan(int index) {
     ranges_m_.assign(16, 1.0F + 0.01F * static_cast<float>(index % 7));
-    intake_.on_scan({.stamp_ns = index * kPeriod_ns, .angle_step_rad = 0.1, .ranges_m = ranges_m_});
+    intake_.on_scan({.stamp_ns = index * kScan_ns, .angle_step_rad = 0.1, .ranges_m = ranges_m_});
   }
 
   /// Of all that has come out: whether each has its scan, and the sum of the motions.
@@ -52,7 +52,7 @@ class FilterIntakeTest : public ::testing::Test {
     EXPECT_NEAR(sum_.x_m, expected.x_m, 1e-9);
     EXPECT_NEAR(sum_.y_m, expected.y_m, 1e-9);
     EXPECT_NEAR(sum_.yaw_rad, expected.yaw_rad, 1e-9);
-    EXPECT_EQ(to_stamp_ns_, last * kPeriod_ns);
+    EXPECT_EQ(to_stamp_ns_, last * kScan_ns);
   }
 
   /// As the sensor's report has it.
@@ -170,7 +170,7 @@ TEST_F(FilterIntakeTest, WhatIsMadeUpForIsAsUncertainAsItIsLong) {
                                                        motion(4).previous_T_current, motion(4).covariance());
   EXPECT_LT((message.motion.covariance() - expected).norm(), 1e-12);
   EXPECT_GE(message.motion.covariance()(0, 0), 3e-4);
-  EXPECT_EQ(message.motion.duration_ns, 3 * kPeriod_ns);
+  EXPECT_EQ(message.motion.duration_ns, 3 * kScan_ns);
 }
 
 TEST_F(FilterIntakeTest, TwiceOrTooLateCountsOnce) {
@@ -200,7 +200,7 @@ TEST_F(FilterIntakeTest, AMotionOfAFarTimeHoldsUpNoScanAndIsCounted) {
 
 TEST_F(FilterIntakeTest, AClockThatIsSetBackLosesNoWay) {
   constexpr int kBack = 20;
-  constexpr std::int64_t kBack_ns = kBack * kPeriod_ns;
+  constexpr std::int64_t kBack_ns = kBack * kScan_ns;
   for (int index = 31; index <= 33; ++index) {
     scan(index);
     intake_.on_motion(motion(index));
@@ -210,7 +210,7 @@ TEST_F(FilterIntakeTest, AClockThatIsSetBackLosesNoWay) {
     set_back.from_stamp_ns -= kBack_ns;
     set_back.to_stamp_ns -= kBack_ns;
     scan(index - kBack);
-    clock_.advance_by(kPeriod_ns);
+    clock_.advance_by(kScan_ns);
     intake_.on_motion(set_back);
     drain();
   }
@@ -218,7 +218,7 @@ TEST_F(FilterIntakeTest, AClockThatIsSetBackLosesNoWay) {
   const Pose2 expected = odom_T_scan(60);  // the first one makes up for all before it
   EXPECT_NEAR(sum_.x_m, expected.x_m, 1e-9);
   EXPECT_NEAR(sum_.y_m, expected.y_m, 1e-9);
-  EXPECT_EQ(to_stamp_ns_, 60 * kPeriod_ns - kBack_ns);
+  EXPECT_EQ(to_stamp_ns_, 60 * kScan_ns - kBack_ns);
 }
 
 TEST_F(FilterIntakeTest, AFilterThatIsBusyLosesNoMotion) {

@@ -3,17 +3,18 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/simulated_room.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+using test::kSecond;
 constexpr int kParticles = 60;
 
 /// So much time that no machine is too slow.
 PipelineParams patient() {
   PipelineParams params;
-  params.filter_budget_ns = params.scan_budget_ns = 10 * kSecond_ns;
+  params.filter_budget_ns = params.scan_budget_ns = 10 * kSecond;
   params.particles_min = 10;
   return params;
 }
@@ -65,23 +66,23 @@ TEST(FilterLoop, EndsNoUpdateThatHasTime) {
 TEST(FilterLoop, HasOnlyWhatTheMatchOfItsScanHasLeft) {
   FilterLoopRun run(patient(), false);
   EXPECT_EQ(run.after(30, 0).updates_cut, 0);
-  const FilterReport report = run.after(10, 10 * kSecond_ns);
+  const FilterReport report = run.after(10, 10 * kSecond);
   EXPECT_EQ(report.updates_cut, 10);
   EXPECT_EQ(report.particles, patient().particles_min) << "it asks for fewer";
-  EXPECT_EQ(run.after(1, 20 * kSecond_ns).updates_cut, 11) << "nor is there a debt";
+  EXPECT_EQ(run.after(1, 20 * kSecond).updates_cut, 11) << "nor is there a debt";
 }
 
 TEST(FilterLoop, TakesItsTimeInAReplay) {
-  const FilterReport report = FilterLoopRun(patient(), true).after(20, 20 * kSecond_ns);
+  const FilterReport report = FilterLoopRun(patient(), true).after(20, 20 * kSecond);
   EXPECT_EQ(report.updates_cut, 0);
   EXPECT_EQ(report.particles, kParticles);
 }
 
 TEST(FilterLoop, CountsMatcherAndFilterTogether) {
-  const FilterReport report = FilterLoopRun(patient(), false).after(5, 2 * kSecond_ns);
+  const FilterReport report = FilterLoopRun(patient(), false).after(5, 2 * kSecond);
   EXPECT_EQ(report.with_matcher.count(), 5);
-  EXPECT_GE(report.with_matcher.max(), 2 * kSecond_ns);
-  EXPECT_LT(report.stage.cpu.max(), 2 * kSecond_ns);
+  EXPECT_GE(report.with_matcher.max(), 2 * kSecond);
+  EXPECT_LT(report.stage.cpu.max(), 2 * kSecond);
 }
 
 }  // namespace

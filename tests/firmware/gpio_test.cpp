@@ -9,26 +9,27 @@
 #include "firmware/gpio/laser_power.hpp"
 #include "firmware/gpio/status_light.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/times.hpp"
 
 // With lines that are there: tests/hil/gpio_test.py.
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+using test::kSecond;
 
 TEST(LaserPower, StaysOnWhileScansCome) {
-  LaserPower power(10 * kSecond_ns, kSecond_ns, 0);
-  for (std::int64_t now_ns = 0; now_ns < 100 * kSecond_ns; now_ns += kSecond_ns / 10) {
-    ASSERT_TRUE(power.update(now_ns, now_ns - 5 * kSecond_ns));
+  LaserPower power(10 * kSecond, kSecond, 0);
+  for (std::int64_t now_ns = 0; now_ns < 100 * kSecond; now_ns += kSecond / 10) {
+    ASSERT_TRUE(power.update(now_ns, now_ns - 5 * kSecond));
   }
   EXPECT_EQ(power.cycles(), 0);
 }
 
 TEST(LaserPower, IsOffForItsTimeAfterSilenceAgainAndAgain) {
-  LaserPower power(10 * kSecond_ns, kSecond_ns, 0);
+  LaserPower power(10 * kSecond, kSecond, 0);
   std::string seen;
   for (std::int64_t second = 0; second < 26; ++second) {
-    seen += power.update(second * kSecond_ns, 2 * kSecond_ns) ? '1' : '0';
+    seen += power.update(second * kSecond, 2 * kSecond) ? '1' : '0';
   }
   EXPECT_EQ(seen, "11111111111101111111111011");  // off from 12 s and, as it is on again from 13 s, from 23 s
   EXPECT_EQ(power.cycles(), 2);
@@ -37,7 +38,7 @@ TEST(LaserPower, IsOffForItsTimeAfterSilenceAgainAndAgain) {
 std::string pattern(HealthState state, bool stopped) {
   std::string pattern;
   for (int i = 0; i < 20; ++i) {
-    pattern += status_light_is_on(state, stopped, 14 * kSecond_ns + (i * 100 + 50) * 1'000'000LL) ? '#' : '.';
+    pattern += status_light_is_on(state, stopped, 14 * kSecond + (i * 100 + 50) * 1'000'000LL) ? '#' : '.';
   }
   return pattern;
 }
@@ -140,12 +141,12 @@ TEST(GpioThread, AStopLineThatIsNotThereIsAStop) {
 TEST(GpioThread, ARoundThatDoesNotEndIsAStop) {
   GpioSignals signals;
   signals.has_stop_line = true;
-  signals.round_ns = 10 * kSecond_ns;
-  EXPECT_FALSE(signals.is_stopped(10 * kSecond_ns + GpioSignals::kRoundMax_ns));
-  EXPECT_TRUE(signals.is_stopped(10 * kSecond_ns + GpioSignals::kRoundMax_ns + 1));
+  signals.round_ns = 10 * kSecond;
+  EXPECT_FALSE(signals.is_stopped(10 * kSecond + GpioSignals::kRoundMax_ns));
+  EXPECT_TRUE(signals.is_stopped(10 * kSecond + GpioSignals::kRoundMax_ns + 1));
   signals.has_stop_line = false;  // only the light's line hangs
-  EXPECT_TRUE(signals.is_silent(11 * kSecond_ns));
-  EXPECT_FALSE(signals.is_stopped(11 * kSecond_ns));
+  EXPECT_TRUE(signals.is_silent(11 * kSecond));
+  EXPECT_FALSE(signals.is_stopped(11 * kSecond));
 }
 
 TEST(GpioThread, WithoutLinesNothingIsStoppedAndThereIsNoThread) {

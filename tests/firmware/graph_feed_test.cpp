@@ -86,5 +86,20 @@ TEST_F(GraphFeedRun, PutsPosesIntoTheWorld) {
   EXPECT_EQ(pose.map_T_scan.distance_m(before), 0.0);
 }
 
+TEST_F(GraphFeedRun, TellsOfEachLoopClosureThatCorrectsThePose) {
+  std::int64_t loop_closures = 0;
+  std::int64_t last_ns = 0;
+  for (int i = 0; i < 60; ++i) {
+    drive(10);
+    while (const auto correction = feed_.take_correction()) {
+      EXPECT_GT(correction->stamp_ns, last_ns);
+      last_ns = correction->stamp_ns;
+      loop_closures += correction->loop_closures;
+    }
+  }
+  EXPECT_GT(loop_closures, 0);
+  EXPECT_EQ(loop_closures, feed_.health().loop_closures);
+}
+
 }  // namespace
 }  // namespace odoless

@@ -5,19 +5,20 @@
 #include <ostream>
 
 #include "firmware/health/health_text.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kPeriod_ns = 25'000'000;
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kScanPeriod_ns = 25'000'000;
+using test::kSecond;
 
 /// What stages say that do well, for a test to spoil.
 class HealthMonitorTest : public ::testing::Test {
  protected:
   HealthMonitorTest() {
     sensor_.open = true;
-    sensor_.period_ns = kPeriod_ns;
+    sensor_.period_ns = kScanPeriod_ns;
     sensor_.last_scan_ns = now_ns_;
     matcher_.stage.scans = 100;
     matcher_.weak_information_1_m2 = 100.0;
@@ -41,7 +42,7 @@ class HealthMonitorTest : public ::testing::Test {
   MatcherReport matcher_;
   FilterReport filter_;
   Surroundings surroundings_;
-  std::int64_t now_ns_ = 1000 * kSecond_ns;
+  std::int64_t now_ns_ = 1000 * kSecond;
 };
 
 TEST_F(HealthMonitorTest, NothingToComplainOfIsOk) { expect(HealthState::kOk, 0); }
@@ -51,14 +52,14 @@ TEST_F(HealthMonitorTest, ASweepThatWasAskedForIsNoHarmAsLongAsPosesCome) {
   expect(HealthState::kDegraded, kReasonNotLevel);
   sensor_.tilt.sweeps = true;
   for (int i = 0; i < 10; ++i) {
-    now_ns_ += kSecond_ns;
+    now_ns_ += kSecond;
     sensor_.last_scan_ns = now_ns_;
     sensor_.source.accepted += 40;
     sensor_.tilt.held_back += 39;
     expect(HealthState::kOk, kReasonSweep);
   }
   for (int i = 0; i < 3; ++i) {  // it no longer passes the level
-    now_ns_ += kSecond_ns;
+    now_ns_ += kSecond;
     sensor_.last_scan_ns = now_ns_;
     sensor_.source.accepted += 40;
     sensor_.tilt.held_back += 40;
@@ -73,9 +74,9 @@ TEST_F(HealthMonitorTest, IsInitUntilTheFirstPose) {
 }
 
 TEST_F(HealthMonitorTest, ALaserThatFallsSilentIsSaidWithinTwoPeriodsAndAFaultAfterAWhile) {
-  now_ns_ += kPeriod_ns * 3 / 2;
+  now_ns_ += kScanPeriod_ns * 3 / 2;
   expect(HealthState::kOk, 0);
-  now_ns_ = sensor_.last_scan_ns + 2 * kPeriod_ns;
+  now_ns_ = sensor_.last_scan_ns + 2 * kScanPeriod_ns;
   expect(HealthState::kDegraded, kReasonNoScans);
   now_ns_ = sensor_.last_scan_ns + params_.fault_after_ns + 1;
   expect(HealthState::kFault, kReasonNoScans);
@@ -215,6 +216,23 @@ TEST(HealthText, SaysWhatTheStampsWereLike) {
   EXPECT_EQ(times_text({.scans = 9, .period_s = 0.1}), "scan period 0.100 s estimated");
   EXPECT_EQ(times_text({.scans = 13'631, .out_of_order = 631, .gaps = 2, .longest_gap_s = 3.03, .period_s = 0.197}),
             "631 stamps out of order, 2 gaps of up to 3.0 s; scan period 0.197 s estimated");
+}
+
+TEST(HealthText, SaysWhyThePoseIsCorrectedAndWhichCorrectionsAreFar) {
+  MapCorrection correction{.reference = 12, .query = 87, .loop_closures = 1, .moved = {0.3, -0.39, 0.05}};
+  EXPECT_FALSE(is_far(correction));
+  EXPECT_EQ(correction_text(correction),
+            "the pose is corrected by 0.49 m and 2.9 deg: a loop closure between submaps 12 and 87");
+  correction.loop_closures = 3;
+  correction.moved.yaw_rad = -0.1;
+  EXPECT_TRUE(is_far(correction));
+  EXPECT_EQ(correction_text(correction),
+            "the pose is corrected by 0.49 m and 5.7 deg: 3 loop closures, the last one between submaps 12 and 87");
+  correction.cause = CorrectionCause::kFound;
+  correction.moved = {6.0, 8.0, 0.0};
+  EXPECT_TRUE(is_far(correction));
+  EXPECT_EQ(correction_text(correction),
+            "the pose is corrected by 10.00 m and 0.0 deg: the robot was found in the world, at submap 12");
 }
 
 TEST(HealthText, EveryReasonHasItsOwnWords) {

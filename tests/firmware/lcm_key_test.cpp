@@ -13,11 +13,12 @@
 #include "tests/firmware/lcm_records.hpp"
 #include "tests/support/private_network.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kSecondNs = 1'000'000'000;
+using test::kSecond;
 
 /// Counts what comes.
 class CountingSink final : public ScanSink {
@@ -112,7 +113,7 @@ TEST_F(LcmKeyTest, ChangesNothingOfAMessageAndIsForScansAndMotionsAlone) {
     EXPECT_EQ(link.publish(test::example_motion()), Errc::kOk);
     EXPECT_EQ(link.publish(test::example_pose()), Errc::kOk);
     for (int i = 0; i < 3; ++i) {
-      const std::optional<LcmMessage> message = receiver.receive(kSecondNs);
+      const std::optional<LcmMessage> message = receiver.receive(kSecond);
       ASSERT_TRUE(message);
       const std::vector<std::byte>& said = tap.kept.at(static_cast<std::size_t>(i)).message;
       const std::size_t more_bytes = key != ' ' && message->channel != channels.pose ? kTrailerBytes : 0;

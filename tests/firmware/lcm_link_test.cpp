@@ -22,7 +22,7 @@ using test::KeepingTap;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr std::size_t kMapCellsMax = 1'000'000;
+constexpr std::size_t kLinkMapCellsMax = 1'000'000;
 
 // A link that sends nothing, and what it would have sent.
 class LcmLinkTap : public ::testing::Test {
@@ -35,7 +35,7 @@ class LcmLinkTap : public ::testing::Test {
     return params;
   }
   KeepingTap tap_;
-  LcmLink link_{silent(), kMapCellsMax};
+  LcmLink link_{silent(), kLinkMapCellsMax};
 };
 
 std::vector<std::uint8_t> inflated(const std::vector<std::uint8_t>& data, std::size_t size_bytes) {
@@ -152,6 +152,18 @@ TEST_F(LcmLinkTap, PacksTilesAndNumbersThem) {
   }
 }
 
+TEST_F(LcmLinkTap, TellsWhyThePoseIsCorrectedAndHowFar) {
+  const MapCorrection sent{5'000'000'000, CorrectionCause::kFound, 12, 87, 3, {0.5, -0.25, 0.125}};
+  ASSERT_EQ(link_.publish(sent), Errc::kOk);
+  const auto correction = tap_.last<correction_t>("ODOLESS_CORRECTION");
+  EXPECT_EQ(correction.utime, 5'000'000);
+  EXPECT_EQ(correction.cause, correction_t::FOUND);
+  EXPECT_EQ(correction.older_submap, 12);
+  EXPECT_EQ(correction.newer_submap, 87);
+  EXPECT_EQ(correction.loop_closures, 3);
+  EXPECT_THAT(correction.moved, ::testing::ElementsAre(0.5, -0.25, 0.125));
+}
+
 TEST_F(LcmLinkTap, ReportsHealthAndThatTheLaserLives) {
   ASSERT_EQ(link_.publish(test::example_health()), Errc::kOk);
   const auto health = tap_.last<health_t>("ODOLESS_HEALTH");
@@ -259,24 +271,24 @@ TEST_F(LcmLinkTap, ShowsAWholeMapAsFineAsFits) {
 TEST(LcmLink, SaysWhyItCannotOpen) {
   LcmParams params;
   params.url = "udpm://239.255.76.67:7667?ttl=3";
-  LcmLink with_ttl(params, kMapCellsMax);
+  LcmLink with_ttl(params, kLinkMapCellsMax);
   EXPECT_EQ(with_ttl.open(), Errc::kBadAddress);
   EXPECT_THAT(with_ttl.reason(), HasSubstr("set the parameter ttl"));
 
   params = {};
   params.prefix = std::string(41, 'x');
-  LcmLink with_prefix(params, kMapCellsMax);
+  LcmLink with_prefix(params, kLinkMapCellsMax);
   EXPECT_EQ(with_prefix.open(), Errc::kBadAddress);
 
   params = {};
   params.url = "nonsense://here";
-  LcmLink with_nonsense(params, kMapCellsMax);
+  LcmLink with_nonsense(params, kLinkMapCellsMax);
   EXPECT_EQ(with_nonsense.open(), Errc::kUnavailable);
   EXPECT_THAT(with_nonsense.reason(), HasSubstr("'nonsense://here'"));
 }
 
 TEST(LcmLink, GoesOnWithoutANetworkAndStillRecords) {
-  LcmLink link({}, kMapCellsMax);
+  LcmLink link({}, kLinkMapCellsMax);
   KeepingTap tap;
   link.set_tap(&tap);
   EXPECT_EQ(link.publish(test::example_motion()), Errc::kUnavailable);
@@ -325,7 +337,7 @@ TEST(LcmLink, SendsOneOfEachToWhoeverListens) {
                                      c.tilt_raw_tx, c.gpio_raw_rx, c.gpio_raw_tx,     c.cloud_health, c.world};
   LcmReceiver receiver(params, all);
   ASSERT_EQ(receiver.open(), Errc::kOk) << receiver.reason();
-  LcmLink link(params, kMapCellsMax);
+  LcmLink link(params, kLinkMapCellsMax);
   KeepingTap tap;
   link.set_tap(&tap);
   ASSERT_EQ(link.open(), Errc::kOk) << link.reason();
@@ -349,7 +361,7 @@ TEST(LcmLink, SendsOneOfEachToWhoeverListens) {
 TEST(LcmLink, TellsTheTiltAsAJoint) {
   LcmParams params;
   params.url = "";
-  LcmLink link(params, kMapCellsMax);
+  LcmLink link(params, kLinkMapCellsMax);
   KeepingTap tap;
   link.set_tap(&tap);
   EXPECT_EQ(link.publish(TiltRecord{.stamp_ns = 5'000, .angle_rad = 0.25, .velocity_radps = -1.5}), Errc::kOk);
@@ -372,7 +384,7 @@ TEST(LcmLink, AllocatesNothingOnceItRuns) {
   LcmParams params;
   params.url = test::lcm_url();
   params.raw_bytes = true;
-  LcmLink link(params, kMapCellsMax);
+  LcmLink link(params, kLinkMapCellsMax);
   link.send_again();
   ASSERT_EQ(link.open(), Errc::kOk) << link.reason();
   const std::vector<float> ranges_m = test::example_ranges_m(1081);

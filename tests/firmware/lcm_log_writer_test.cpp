@@ -21,7 +21,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-struct Event {
+struct LoggedEvent {
   std::int64_t number;
   std::int64_t timestamp_us;
   std::string channel;
@@ -29,8 +29,8 @@ struct Event {
 };
 
 // As liblcm reads a log.
-std::vector<Event> events_of(const std::filesystem::path& path) {
-  std::vector<Event> events;
+std::vector<LoggedEvent> events_of(const std::filesystem::path& path) {
+  std::vector<LoggedEvent> events;
   lcm_eventlog_t* log = lcm_eventlog_create(path.c_str(), "r");
   if (log == nullptr) {
     ADD_FAILURE() << "cannot open " << path;
@@ -93,7 +93,7 @@ TEST_F(LogWriterTest, WritesWhatLiblcmReads) {
   write(writer, "");
   write(writer, "third");
   EXPECT_TRUE(std::filesystem::exists(file("run.00000.lcm")));
-  const std::vector<Event> events = events_of(file("run.00000.lcm"));  // still open: what is written can be read
+  const std::vector<LoggedEvent> events = events_of(file("run.00000.lcm"));  // still open: what is written can be read
   ASSERT_EQ(events.size(), 3U);
   EXPECT_EQ(events[0].number, 0);
   EXPECT_EQ(events[0].timestamp_us, 1'700'000'000'123'456);
@@ -175,7 +175,7 @@ TEST_F(LogWriterTest, LeavesOnlyWholeEventsOnAFullDisk) {
   write(writer, "after");
   EXPECT_EQ(errors, 5);
   EXPECT_EQ(last_error, ENOSPC);
-  const std::vector<Event> events = events_of(file("run.00000.lcm"));
+  const std::vector<LoggedEvent> events = events_of(file("run.00000.lcm"));
   ASSERT_EQ(events.size(), 2U);
   EXPECT_EQ(events[0].data, "before");
   EXPECT_EQ(events[1].data, "after");

@@ -18,13 +18,14 @@
 #include "firmware/lcm/udp_address.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/private_network.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless {
 namespace {
 
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kSecondNs = 1'000'000'000;
+using test::kSecond;
 
 std::string text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -59,7 +60,7 @@ TEST(ParseDatagram, RefusesAllElse) {
 }
 
 TEST(ParseUdpAddress, KnowsLcmsForm) {
-  const Result<UdpAddress> address = parse_udp_address("udpm://239.255.76.67:7667?recv_buf_size=65536");
+  const Result<MulticastAddress> address = parse_udp_address("udpm://239.255.76.67:7667?recv_buf_size=65536");
   ASSERT_TRUE(address.ok());
   EXPECT_EQ(address.value().group, 0xefff4c43U);
   EXPECT_EQ(address.value().port, 7667);
@@ -184,13 +185,13 @@ TEST_F(LcmReceiverNetwork, HearsWhatLiblcmSends) {
   }
   close(heard[0]);
   for (int i = 0; i < kMessages; ++i) {
-    const std::optional<LcmMessage> message = receiver_->receive(5 * kSecondNs);
+    const std::optional<LcmMessage> message = receiver_->receive(5 * kSecond);
     ASSERT_TRUE(message) << i;
     EXPECT_EQ(message->channel, i % 2 == 0 ? "WANTED" : "ALSO");
     EXPECT_EQ(text_of(message->payload), std::string(static_cast<std::size_t>(i * 600), static_cast<char>(i)));
     ASSERT_EQ(write(heard[1], "", 1), 1);
   }
-  const std::optional<LcmMessage> last = receiver_->receive(5 * kSecondNs);
+  const std::optional<LcmMessage> last = receiver_->receive(5 * kSecond);
   ASSERT_TRUE(last);
   EXPECT_EQ(text_of(last->payload), "end");
   EXPECT_EQ(receiver_->counters().messages, kMessages + 1);
@@ -209,8 +210,8 @@ TEST_F(LcmReceiverNetwork, CountsEveryDatagramOnceAndWhatIsMissing) {
   send_bytes(short_message(2, "OTHER", "b"));
   send_bytes(std::string("LC03\0\0\0\3", 8) + std::string(20, '\0'));
   send_bytes(short_message(6, "WANTED", "c"));
-  EXPECT_EQ(text_of(receiver_->receive(kSecondNs)->payload), "a");
-  EXPECT_EQ(text_of(receiver_->receive(kSecondNs)->payload), "c");
+  EXPECT_EQ(text_of(receiver_->receive(kSecond)->payload), "a");
+  EXPECT_EQ(text_of(receiver_->receive(kSecond)->payload), "c");
   EXPECT_FALSE(receiver_->try_receive());
   const LcmReceiverCounters& counters = receiver_->counters();
   EXPECT_EQ(counters.datagrams, 6);
@@ -227,7 +228,7 @@ TEST_F(LcmReceiverNetwork, WaitsAsLongAsItIsToldEvenInAFloodOfOthers) {
     send_bytes(short_message(static_cast<std::uint8_t>(i), "OTHER", "x"));
   }
   const auto start = std::chrono::steady_clock::now();
-  EXPECT_FALSE(receiver_->receive(kSecondNs / 20));
+  EXPECT_FALSE(receiver_->receive(kSecond / 20));
   EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(50));
   EXPECT_FALSE(receiver_->try_receive()) << "what a receiver that was held up has left";
   EXPECT_EQ(receiver_->counters().other_channels, 100);
@@ -239,7 +240,7 @@ TEST_F(LcmReceiverNetwork, LooksAtABoundedNumberOfDatagramsAtOnce) {
   }
   send_bytes(short_message(LcmReceiver::kDatagramsPerCall, "WANTED", "x"));
   EXPECT_FALSE(receiver_->try_receive());
-  EXPECT_TRUE(receiver_->receive(5 * kSecondNs)) << "a busy kernel delivers late";
+  EXPECT_TRUE(receiver_->receive(5 * kSecond)) << "a busy kernel delivers late";
   EXPECT_EQ(receiver_->counters().other_channels, LcmReceiver::kDatagramsPerCall);
 }
 
@@ -259,15 +260,15 @@ int granted_bytes(int wanted_bytes) {
 TEST_F(LcmReceiverNetwork, HoldsASecondOfScansThatABusyHostLeavesUnread) {
   constexpr int kScans = 40 * 5;                            // five sendings
   const std::string scan(1081 * sizeof(float) + 150, 'x');  // a planar_lidar_t
-  if (granted_bytes(UdpAddress{}.receive_buffer_bytes) < UdpAddress{}.receive_buffer_bytes) {
-    GTEST_SKIP() << "the kernel grants no socket of " << UdpAddress{}.receive_buffer_bytes
+  if (granted_bytes(MulticastAddress{}.receive_buffer_bytes) < MulticastAddress{}.receive_buffer_bytes) {
+    GTEST_SKIP() << "the kernel grants no socket of " << MulticastAddress{}.receive_buffer_bytes
                  << " bytes: net.core.rmem_max is small and may not be passed";
   }
   for (int i = 0; i < kScans; ++i) {
     send_bytes(short_message(static_cast<std::uint8_t>(i), "WANTED", scan));
   }
   int received = 0;
-  while (received < kScans && receiver_->receive(5 * kSecondNs)) {
+  while (received < kScans && receiver_->receive(5 * kSecond)) {
     ++received;
   }
   EXPECT_EQ(received, kScans);
@@ -290,7 +291,7 @@ TEST_F(LcmReceiverNetwork, AllocatesNothing) {
   }
   const AllocationGuard guard;
   int received = 0;
-  while (receiver_->receive(kSecondNs / 100)) {
+  while (receiver_->receive(kSecond / 100)) {
     ++received;
   }
   EXPECT_EQ(guard.calls(), 0);

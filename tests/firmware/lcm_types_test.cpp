@@ -10,12 +10,14 @@
 #include <bot_core/sensor_status_t.hpp>
 #include <cstdint>
 #include <occ_map/pixel_map_t.hpp>
+#include <odoless/correction_t.hpp>
 #include <odoless/health_t.hpp>
 #include <odoless/map_tile_t.hpp>
 #include <odoless/motion_t.hpp>
 #include <odoless/pose_estimate_t.hpp>
 #include <odoless/world_t.hpp>
 
+#include "core/graph/map_correction.hpp"
 #include "core/motion/motion.hpp"
 #include "firmware/records/health.hpp"
 
@@ -44,10 +46,13 @@ TEST(LcmTypes, OfOurOwnStayAsTheyAre) {
   EXPECT_EQ(fingerprint<pose_estimate_t>(), 0xf340b4c06f2bb4a3U);
   EXPECT_EQ(fingerprint<map_tile_t>(), 0x666fae7f76fce32dU);
   EXPECT_EQ(fingerprint<health_t>(), 0x4c10d772a2532e6aU);
+  EXPECT_EQ(fingerprint<correction_t>(), 0xe1ad0c3a4f32131U);
   EXPECT_EQ(fingerprint<world_t>(), 0xd6b82b0036f604bfU);
 }
 
 TEST(LcmTypes, NameHealthAsTheRecordsDo) {
+  EXPECT_EQ(correction_t::LOOP, static_cast<int>(CorrectionCause::kLoop));
+  EXPECT_EQ(correction_t::FOUND, static_cast<int>(CorrectionCause::kFound));
   EXPECT_EQ(world_t::SURE, static_cast<int>(WorldPlaceKnown::kSure));
   EXPECT_EQ(health_t::FAULT, static_cast<int>(HealthState::kFault));
   EXPECT_EQ(health_t::LOST, static_cast<int>(HealthState::kLost));

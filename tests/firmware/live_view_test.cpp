@@ -16,13 +16,13 @@ constexpr int kSide_cells = TileSweep::kSide_cells;
 constexpr std::size_t kTileCells = std::size_t{kSide_cells} * kSide_cells;
 constexpr std::int64_t kTick_ns = 100'000'000;
 
-struct Event {
+struct ViewEvent {
   std::string kind;
   std::string data;
 };
 
-std::vector<Event> events_in(std::string_view text) {
-  std::vector<Event> events;
+std::vector<ViewEvent> events_in(std::string_view text) {
+  std::vector<ViewEvent> events;
   while (!text.empty()) {
     const std::size_t end = text.find("\n\n");
     EXPECT_NE(end, std::string_view::npos) << "an event that does not end";
@@ -73,9 +73,9 @@ class LiveViewTest : public ::testing::Test {
     view_.tell(cursor, now_ns_, text);
     return text;
   }
-  std::vector<Event> told(LiveCursor& cursor, const std::string& kind, std::int64_t passed_ns = kTick_ns) {
-    std::vector<Event> events = events_in(tell(cursor, passed_ns));
-    std::erase_if(events, [&kind](const Event& event) { return event.kind != kind; });
+  std::vector<ViewEvent> told(LiveCursor& cursor, const std::string& kind, std::int64_t passed_ns = kTick_ns) {
+    std::vector<ViewEvent> events = events_in(tell(cursor, passed_ns));
+    std::erase_if(events, [&kind](const ViewEvent& event) { return event.kind != kind; });
     return events;
   }
 
@@ -91,7 +91,7 @@ TEST_F(LiveViewTest, TellsANewcomerAllAndThenOnlyWhatChanged) {
   publish_tile(-5, 4, 100);
   view_.take(DaemonStatus{});
   LiveCursor cursor;
-  const std::vector<Event> first = events_in(tell(cursor));
+  const std::vector<ViewEvent> first = events_in(tell(cursor));
   ASSERT_EQ(first.size(), 6U);
   EXPECT_EQ(first[0].kind, "map");
   EXPECT_EQ(nlohmann::json::parse(first[1].data)["state"], "INIT");
@@ -112,9 +112,9 @@ TEST_F(LiveViewTest, ASlowOneIsToldTheNewestAlone) {
     publish_pose(0.001 * i);
     publish_tile(0, 0, static_cast<std::uint8_t>(i % 100));
   }
-  std::vector<Event> events = events_in(tell(cursor));
+  std::vector<ViewEvent> events = events_in(tell(cursor));
   const auto count = [&events](const std::string& kind) {
-    return std::count_if(events.begin(), events.end(), [&kind](const Event& event) { return event.kind == kind; });
+    return std::count_if(events.begin(), events.end(), [&kind](const ViewEvent& event) { return event.kind == kind; });
   };
   EXPECT_EQ(count("pose"), 1);
   EXPECT_EQ(count("tile"), 1);
@@ -140,12 +140,12 @@ TEST_F(LiveViewTest, NobodyIsToldMoreThanTheRateAndEverybodyHasTheWholeMapInTheE
   std::vector<std::string> of_newcomer;
   std::vector<std::string> of_first;
   for (int i = 0; i < 200; ++i) {
-    for (const Event& event : told(another, "tile")) {
+    for (const ViewEvent& event : told(another, "tile")) {
       of_newcomer.push_back(event.data);
     }
   }
   EXPECT_EQ(of_newcomer.size(), 100U);
-  for (const Event& event : told(cursor, "tile")) {
+  for (const ViewEvent& event : told(cursor, "tile")) {
     of_first.push_back(event.data);
   }
   EXPECT_TRUE(of_first.empty()) << "ten seconds after the last change it has all";
@@ -157,7 +157,7 @@ TEST_F(LiveViewTest, AMapThatIsBegunAnewIsToldAsSuch) {
   publish_tile(0, 0, 100);
   static_cast<void>(tell(cursor));
   publish_pose(0.0, 1);
-  const std::vector<Event> events = events_in(tell(cursor));
+  const std::vector<ViewEvent> events = events_in(tell(cursor));
   ASSERT_EQ(events.size(), 3U);
   EXPECT_EQ(nlohmann::json::parse(events[0].data)["number"], 1);
   EXPECT_EQ(events[1].kind, "pose");
@@ -179,7 +179,7 @@ TEST_F(LiveViewTest, AChangeOfStateIsToldAtOnceAndElseTwiceASecond) {
   status.health.state = HealthState::kLost;
   status.health.reasons = kReasonDiverged;
   view_.take(status);
-  const std::vector<Event> events = told(cursor, "state", 1);
+  const std::vector<ViewEvent> events = told(cursor, "state", 1);
   ASSERT_EQ(events.size(), 1U);
   const auto json = nlohmann::json::parse(events[0].data);
   EXPECT_EQ(json["state"], "LOST");
@@ -193,7 +193,7 @@ TEST_F(LiveViewTest, ShowsAScanWhereItsPoseHasIt) {
   view_.take(pose, {.stamp_ns = 1'000'000'000, .start_angle_rad = 0.0, .angle_step_rad = std::numbers::pi / 6.0},
              ranges_m);
   LiveCursor cursor;
-  const std::vector<Event> events = told(cursor, "scan");
+  const std::vector<ViewEvent> events = told(cursor, "scan");
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(nlohmann::json::parse(events[0].data)["points_cm"], nlohmann::json::parse("[200, 200, 100, 400]"));
 }
@@ -206,11 +206,11 @@ TEST_F(LiveViewTest, ShowsTheRobotBehindALaserThatHangsUpsideDown) {
   view_.take(pose, {.stamp_ns = 1'000'000'000, .start_angle_rad = 0.0, .angle_step_rad = std::numbers::pi / 2.0},
              std::vector<float>{1.0F, 2.0F});
   LiveCursor cursor;
-  const std::vector<Event> scans = told(cursor, "scan");
+  const std::vector<ViewEvent> scans = told(cursor, "scan");
   ASSERT_EQ(scans.size(), 1U);
   EXPECT_EQ(nlohmann::json::parse(scans[0].data)["points_cm"], nlohmann::json::parse("[200, 200, 100, 0]"));
   LiveCursor other;
-  const std::vector<Event> poses = told(other, "pose");
+  const std::vector<ViewEvent> poses = told(other, "pose");
   ASSERT_EQ(poses.size(), 1U);
   EXPECT_EQ(nlohmann::json::parse(poses[0].data)["x_m"], 0.5);
 }
@@ -220,9 +220,9 @@ TEST_F(LiveViewTest, FollowsTheRobotHoweverFarAndKeepsTheNewestTiles) {
     publish_tile(column, -column, 0);
   }
   LiveCursor cursor;
-  std::vector<Event> tiles;
+  std::vector<ViewEvent> tiles;
   for (int i = 0; i < 100; ++i) {
-    const std::vector<Event> more = told(cursor, "tile");
+    const std::vector<ViewEvent> more = told(cursor, "tile");
     tiles.insert(tiles.end(), more.begin(), more.end());
   }
   ASSERT_EQ(tiles.size(), 11U);  // as many as the grid touches

@@ -17,12 +17,10 @@
 #include "drivers/io/file_descriptor.hpp"
 #include "drivers/lrf/sick/telegram.hpp"
 #include "firmware/sources/lrf_source.hpp"
+#include "tests/support/times.hpp"
 
 /// A source of scans with its laser, in made-up time.
 namespace odoless::test {
-
-inline constexpr std::int64_t kMs = 1'000'000;
-inline constexpr std::int64_t kSecond = 1'000'000'000;
 
 class KeepingSink final : public ScanSink {
  public:

@@ -4,12 +4,14 @@
 
 #include <limits>
 
+#include "tests/support/times.hpp"
+
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kPeriod_ns = 25'000'000;
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::int64_t kHour_ns = 3600 * kSecond_ns;
+constexpr std::int64_t kGuardPeriod_ns = 25'000'000;
+using test::kSecond;
+constexpr std::int64_t kHour_ns = 3600 * kSecond;
 constexpr double kStep_m = 0.02;
 
 /// A matcher whose robot goes straight on, and a guard that hears each motion when it is made.
@@ -17,13 +19,13 @@ class MotionGuardTest : public ::testing::Test {
  protected:
   /// The next one, as it is made.
   Motion next() {
-    now_ns_ += kPeriod_ns;
-    stamp_ns_ += kPeriod_ns;
+    now_ns_ += kGuardPeriod_ns;
+    stamp_ns_ += kGuardPeriod_ns;
     odom_T_scan_ = odom_T_scan_ * Pose2{kStep_m, 0.0, 0.0};
     return motion();
   }
   [[nodiscard]] Motion motion() const {
-    Motion motion = Motion::between(stamp_ns_ - kPeriod_ns, stamp_ns_, {kStep_m, 0.0, 0.0});
+    Motion motion = Motion::between(stamp_ns_ - kGuardPeriod_ns, stamp_ns_, {kStep_m, 0.0, 0.0});
     motion.odom_T_current = odom_T_scan_;
     motion.set_error(
         ErrorProcess::independent(motion.previous_T_current, Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal()));
@@ -60,8 +62,8 @@ class MotionGuardTest : public ::testing::Test {
   }
 
   MotionGuard guard_{RobotLimits{}};
-  std::int64_t now_ns_ = 1'700'000'000 * kSecond_ns;
-  std::int64_t stamp_ns_ = 1'600'000'000 * kSecond_ns;  // a log's
+  std::int64_t now_ns_ = 1'700'000'000 * kSecond;
+  std::int64_t stamp_ns_ = 1'600'000'000 * kSecond;  // a log's
   Pose2 odom_T_scan_{100.0, 50.0, 1.0};
   MotionVerdict verdict_ = MotionVerdict::kRefused;
 };
@@ -73,7 +75,7 @@ TEST_F(MotionGuardTest, TakesAStreamWithGapsAndAtAnotherPace) {
   now_ns_ += kHour_ns;
   run(100);
   for (int i = 0; i < 1000; ++i) {  // a log at four times its pace
-    stamp_ns_ += 3 * kPeriod_ns;
+    stamp_ns_ += 3 * kGuardPeriod_ns;
     ASSERT_EQ(judge(next()), MotionVerdict::kFollows) << i;
   }
   EXPECT_EQ(guard_.refused(), 0);
@@ -82,7 +84,7 @@ TEST_F(MotionGuardTest, TakesAStreamWithGapsAndAtAnotherPace) {
 TEST_F(MotionGuardTest, RefusesStampsFarFromNow) {
   begin();
   run(10);
-  for (const std::int64_t off_ns : {10 * kSecond_ns, kHour_ns, 100'000 * kHour_ns, -10 * kSecond_ns, -kHour_ns}) {
+  for (const std::int64_t off_ns : {10 * kSecond, kHour_ns, 100'000 * kHour_ns, -10 * kSecond, -kHour_ns}) {
     SCOPED_TRACE(off_ns);
     expect_refused([off_ns](Motion& motion) {
       motion.from_stamp_ns += off_ns;
@@ -141,12 +143,12 @@ TEST_F(MotionGuardTest, WhatCameTwiceOrLateIsOldAndNotCounted) {
 TEST_F(MotionGuardTest, FollowsASenderWhoseClockWasSet) {
   begin();
   run(10);
-  for (const std::int64_t set_ns : {-kHour_ns, kHour_ns, -2 * kSecond_ns}) {
+  for (const std::int64_t set_ns : {-kHour_ns, kHour_ns, -2 * kSecond}) {
     SCOPED_TRACE(set_ns);
     stamp_ns_ += set_ns;
     EXPECT_EQ(refused_before_one_is_taken(), MotionGuard::kAnewMotions - 1);
     EXPECT_EQ(verdict_, MotionVerdict::kContinues);
-    EXPECT_EQ(guard_.arrived_after_ns(), MotionGuard::kAnewMotions * kPeriod_ns);
+    EXPECT_EQ(guard_.arrived_after_ns(), MotionGuard::kAnewMotions * kGuardPeriod_ns);
     run(100);
   }
 }

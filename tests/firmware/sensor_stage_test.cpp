@@ -10,7 +10,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kPeriod_ns = 25'000'000;
+constexpr std::int64_t kSweep_ns = 25'000'000;
 
 /// A stage and what it is given, one scan after the other.
 class SensorStageTest : public ::testing::Test {
@@ -36,12 +36,12 @@ class SensorStageTest : public ::testing::Test {
 };
 
 TEST_F(SensorStageTest, TakesScansInTheirOrderAndCountsWhatItRefuses) {
-  EXPECT_EQ(give(1 * kPeriod_ns), ScanVerdict::kAccepted);
-  EXPECT_EQ(give(2 * kPeriod_ns), ScanVerdict::kAccepted);
-  EXPECT_EQ(give(2 * kPeriod_ns), ScanVerdict::kDuplicate);
-  EXPECT_EQ(give(1 * kPeriod_ns), ScanVerdict::kOutOfOrder);
-  EXPECT_EQ(give(3 * kPeriod_ns, SensorStage::kLate_ns + 1), ScanVerdict::kLate);
-  EXPECT_EQ(give(4 * kPeriod_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(give(1 * kSweep_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(give(2 * kSweep_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(give(2 * kSweep_ns), ScanVerdict::kDuplicate);
+  EXPECT_EQ(give(1 * kSweep_ns), ScanVerdict::kOutOfOrder);
+  EXPECT_EQ(give(3 * kSweep_ns, SensorStage::kLate_ns + 1), ScanVerdict::kLate);
+  EXPECT_EQ(give(4 * kSweep_ns), ScanVerdict::kAccepted);
   EXPECT_EQ(stage_.counts().accepted, 3);
   EXPECT_EQ(stage_.counts().duplicate, 1);
   EXPECT_EQ(stage_.counts().out_of_order, 1);
@@ -49,41 +49,41 @@ TEST_F(SensorStageTest, TakesScansInTheirOrderAndCountsWhatItRefuses) {
 }
 
 TEST_F(SensorStageTest, ARefusedScanLeavesTheFrameAsItWas) {
-  ASSERT_EQ(give(2 * kPeriod_ns), ScanVerdict::kAccepted);
-  ASSERT_NE(give(1 * kPeriod_ns), ScanVerdict::kAccepted);
-  EXPECT_EQ(frame_.stamp_ns(), 2 * kPeriod_ns);
+  ASSERT_EQ(give(2 * kSweep_ns), ScanVerdict::kAccepted);
+  ASSERT_NE(give(1 * kSweep_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(frame_.stamp_ns(), 2 * kSweep_ns);
 }
 
 TEST_F(SensorStageTest, ASourceThatBeginsAnewIsFollowedAfterAWhile) {
   constexpr std::int64_t kLater_ns = 1'000'000'000'000;
   ASSERT_EQ(give(kLater_ns), ScanVerdict::kAccepted);
   for (int i = 1; i < SensorStage::kAnewScans; ++i) {
-    ASSERT_EQ(give(i * kPeriod_ns), ScanVerdict::kOutOfOrder) << i;
+    ASSERT_EQ(give(i * kSweep_ns), ScanVerdict::kOutOfOrder) << i;
   }
-  EXPECT_EQ(give(SensorStage::kAnewScans * kPeriod_ns), ScanVerdict::kAccepted);
-  EXPECT_EQ(give((SensorStage::kAnewScans + 1) * kPeriod_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(give(SensorStage::kAnewScans * kSweep_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(give((SensorStage::kAnewScans + 1) * kSweep_ns), ScanVerdict::kAccepted);
 }
 
 TEST_F(SensorStageTest, StragglersNeverLookLikeANewBeginning) {
-  ASSERT_EQ(give(100 * kPeriod_ns), ScanVerdict::kAccepted);
+  ASSERT_EQ(give(100 * kSweep_ns), ScanVerdict::kAccepted);
   for (int i = 1; i < 5 * SensorStage::kAnewScans; ++i) {
-    ASSERT_EQ(give((100 + i) * kPeriod_ns), ScanVerdict::kAccepted);
-    ASSERT_EQ(give(i * kPeriod_ns), ScanVerdict::kOutOfOrder);  // late ones among good ones
+    ASSERT_EQ(give((100 + i) * kSweep_ns), ScanVerdict::kAccepted);
+    ASSERT_EQ(give(i * kSweep_ns), ScanVerdict::kOutOfOrder);  // late ones among good ones
   }
 }
 
 TEST_F(SensorStageTest, KnowsThePeriod) {
   for (int i = 1; i < 100; ++i) {
-    ASSERT_EQ(give(i * kPeriod_ns), ScanVerdict::kAccepted);
+    ASSERT_EQ(give(i * kSweep_ns), ScanVerdict::kAccepted);
   }
-  EXPECT_EQ(stage_.period_ns(), kPeriod_ns);
+  EXPECT_EQ(stage_.period_ns(), kSweep_ns);
 }
 
 TEST_F(SensorStageTest, ALiveScanOutOfOrderLeavesTheTimesAlone) {
   for (int i = 1; i < 50; ++i) {
-    ASSERT_EQ(give(i * kPeriod_ns), ScanVerdict::kAccepted);
-    ASSERT_EQ(give((i - 1) * kPeriod_ns), ScanVerdict::kOutOfOrder);
-    EXPECT_EQ(frame_.time_ns(), i * kPeriod_ns);
+    ASSERT_EQ(give(i * kSweep_ns), ScanVerdict::kAccepted);
+    ASSERT_EQ(give((i - 1) * kSweep_ns), ScanVerdict::kOutOfOrder);
+    EXPECT_EQ(frame_.time_ns(), i * kSweep_ns);
   }
   EXPECT_EQ(stage_.counts().times.scans, 49);
   EXPECT_EQ(stage_.counts().times.out_of_order, 0);
@@ -112,28 +112,28 @@ TEST_F(ReplayedScans, AreTakenAndTimedWhateverTheirStampsSay) {
 }
 
 TEST_F(ReplayedScans, OfTheSameStampAreTwoUnlessTheyAreTheSame) {
-  ASSERT_EQ(give(1 * kPeriod_ns), ScanVerdict::kAccepted);
-  EXPECT_EQ(give_same(1 * kPeriod_ns), ScanVerdict::kDuplicate);
-  EXPECT_EQ(give(1 * kPeriod_ns), ScanVerdict::kAccepted);
-  EXPECT_GT(frame_.time_ns(), 1 * kPeriod_ns);
-  EXPECT_EQ(give_same(2 * kPeriod_ns), ScanVerdict::kAccepted) << "a laser that stands still sees the same";
+  ASSERT_EQ(give(1 * kSweep_ns), ScanVerdict::kAccepted);
+  EXPECT_EQ(give_same(1 * kSweep_ns), ScanVerdict::kDuplicate);
+  EXPECT_EQ(give(1 * kSweep_ns), ScanVerdict::kAccepted);
+  EXPECT_GT(frame_.time_ns(), 1 * kSweep_ns);
+  EXPECT_EQ(give_same(2 * kSweep_ns), ScanVerdict::kAccepted) << "a laser that stands still sees the same";
   EXPECT_EQ(stage_.counts().duplicate, 1);
   EXPECT_EQ(stage_.counts().accepted, 3);
 }
 
 TEST_F(ReplayedScans, AreNeverLate) {
-  ASSERT_EQ(give(1 * kPeriod_ns, 10 * SensorStage::kLate_ns), ScanVerdict::kAccepted);
+  ASSERT_EQ(give(1 * kSweep_ns, 10 * SensorStage::kLate_ns), ScanVerdict::kAccepted);
   EXPECT_EQ(stage_.counts().late, 0);
 }
 
 TEST_F(SensorStageTest, TheSameRangesAgainAndAgainAreAStuckLaser) {
   for (int i = 1; i <= SensorStage::kStuckScans; ++i) {
-    ASSERT_EQ(give_same(i * kPeriod_ns), ScanVerdict::kAccepted);
+    ASSERT_EQ(give_same(i * kSweep_ns), ScanVerdict::kAccepted);
     EXPECT_FALSE(stage_.is_stuck()) << i;
   }
-  ASSERT_EQ(give_same((SensorStage::kStuckScans + 1) * kPeriod_ns), ScanVerdict::kAccepted);
+  ASSERT_EQ(give_same((SensorStage::kStuckScans + 1) * kSweep_ns), ScanVerdict::kAccepted);
   EXPECT_TRUE(stage_.is_stuck());
-  ASSERT_EQ(give((SensorStage::kStuckScans + 2) * kPeriod_ns), ScanVerdict::kAccepted);
+  ASSERT_EQ(give((SensorStage::kStuckScans + 2) * kSweep_ns), ScanVerdict::kAccepted);
   EXPECT_FALSE(stage_.is_stuck());
 }
 
@@ -141,7 +141,7 @@ TEST_F(SensorStageTest, ScansWithoutReturnsAreBlind) {
   ranges_m_.fill(0.0F);
   for (int i = 1; i <= SensorStage::kBlindScans; ++i) {
     EXPECT_FALSE(stage_.is_blind());
-    ASSERT_EQ(give_same(i * kPeriod_ns), ScanVerdict::kAccepted);
+    ASSERT_EQ(give_same(i * kSweep_ns), ScanVerdict::kAccepted);
   }
   EXPECT_TRUE(stage_.is_blind());
 }

@@ -100,8 +100,8 @@ TEST(WebCommands, ThePageMayLessThanTheSocket) {
     EXPECT_TRUE(page_may_ask(line)) << line;
   }
   for (const char* const line :
-       {"stop", "reset", "status", "save /tmp/elsewhere", "save --force", "save --force /tmp/x", "tilt stop", "pose",
-        "pose 1 2 nan", "pause\nstop", "pause\n", "", "pose 1 2 3\rstop"}) {
+       {"stop", "reset", "status", "world", "localise", "map", "save /tmp/elsewhere", "save --force",
+        "save --force /tmp/x", "tilt stop", "pose", "pose 1 2 nan", "pause\nstop", "pause\n", "", "pose 1 2 3\rstop"}) {
     EXPECT_FALSE(page_may_ask(line)) << line;
     EXPECT_TRUE(obey_page("/nonexistent/socket", line).starts_with("error: the page may ask for")) << line;
   }

@@ -62,7 +62,7 @@ class World : public ::testing::Test {
     changes.odometry = std::exchange(odometry_, {});
     bool has_more = true;
     while (has_more) {
-      has_more = mirror.collect(graph.world(), changes);
+      has_more = mirror.collect(graph, changes);
       const FileFailure failed = file.write(place, changes);
       ASSERT_FALSE(failed.any()) << failed.text;
       mirror.take(changes);

@@ -15,6 +15,7 @@
 #include "firmware/threads/round.hpp"
 #include "tests/keys/key_class.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/times.hpp"
 
 // A chip without hardware, instead of libgpiod's: where there is a kernel with gpio-sim, tests/hil/gpio_test.py has the
 // library and the kernel do the same.
@@ -87,7 +88,7 @@ int gpiod_line_set_value(gpiod_line* line, int value) {
 namespace odoless::test {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 
 std::string how_it_is_scheduled() {
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -129,7 +130,7 @@ std::string served(const DaemonParams& params) {
   return text + fmt::format("light in the end {}\n", light.empty() ? -1 : light.back().second);
 }
 
-std::vector<Scene> scenes() {
+std::vector<Scene> all_gpio_scenes() {
   const std::string all =
       "[gpio]\nstop_line = \"stop\"\nsync_line = \"sync\"\npower_line = \"power\"\n"
       "led_line = \"led\"\npower_cycle_after_ms = 1000\npower_off_ms = 100\n";
@@ -138,6 +139,6 @@ std::vector<Scene> scenes() {
 
 }  // namespace
 
-KeyClass gpio_class() { return {"gpio", {"gpio."}, scenes, lack_of_real_time}; }
+KeyClass gpio_class() { return {"gpio", {"gpio."}, all_gpio_scenes, lack_of_real_time}; }
 
 }  // namespace odoless::test

@@ -12,6 +12,7 @@
 #include "firmware/sources/lrf_source.hpp"
 #include "tests/keys/key_class.hpp"
 #include "tests/keys/transcript.hpp"
+#include "tests/support/times.hpp"
 #include "tools/emulate/lrf_models.hpp"
 #include "tools/emulate/pseudo_terminal.hpp"
 #include "tools/emulate/world_source.hpp"
@@ -20,8 +21,8 @@
 namespace odoless::test {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+using test::kMs;
+using test::kSecond;
 
 std::int64_t period_ns_of(const std::string& model) {
   const std::vector<EmulatedLrfModel> models = emulated_lrf_models();
@@ -68,7 +69,7 @@ class LaserBench {
   }
 
  private:
-  std::int64_t now_ns_ = 1000 * kSecond_ns;
+  std::int64_t now_ns_ = 1000 * kSecond;
   WorldSource scans_;
   std::unique_ptr<EmulatedLrf> laser_;
   GpioSignals gpio_;
@@ -80,7 +81,7 @@ class LaserBench {
 };
 
 Scene session_with(const std::string& model, const std::string& toml, const std::string& fault = "",
-                   std::int64_t duration_ns = 3 * kSecond_ns) {
+                   std::int64_t duration_ns = 3 * kSecond) {
   EmulatedLrfOptions options;
   if (!fault.empty()) {
     options.faults = {parse_fault(fault)};
@@ -102,10 +103,10 @@ Scene opening() {
           }};
 }
 
-std::vector<Scene> scenes() {
+std::vector<Scene> all_laser_scenes() {
   const std::string synchronised = "[gpio]\nsync_line = \"pulse\"\n";
   return {session_with("utm-30lx", "driver = \"scip\"\n" + synchronised),
-          session_with("lms200", "driver = \"sick\"\nsick_variant = \"180/1\"\n", "", 20 * kSecond_ns),
+          session_with("lms200", "driver = \"sick\"\nsick_variant = \"180/1\"\n", "", 20 * kSecond),
           session_with("rplidar-a2", "driver = \"rplidar\"\n"),
           session_with("ld19", "driver = \"ldrobot\"\nbaud = 230400\n"),
           session_with("ydlidar-x4", "driver = \"ydlidar\"\nbaud = 128000\n"),
@@ -116,6 +117,6 @@ std::vector<Scene> scenes() {
 
 }  // namespace
 
-KeyClass laser_class() { return {"laser", {"lrf.", "gpio.sync_delay"}, scenes}; }
+KeyClass laser_class() { return {"laser", {"lrf.", "gpio.sync_delay"}, all_laser_scenes}; }
 
 }  // namespace odoless::test

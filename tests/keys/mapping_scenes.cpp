@@ -82,7 +82,7 @@ std::string mapped(const TiltLog& log, const DaemonParams& params) {
 /// As `odoless cloud` maps a world, in which the laser is where the configuration says.
 std::string simulated(const DaemonParams& params) { return mapped(nodding_drive(params.mapping.mount), params); }
 
-std::vector<Scene> scenes() {
+std::vector<Scene> all_mapping_scenes() {
   const auto look = [log = drive_with_gap()](const DaemonParams& params) { return mapped(log, params); };
   return {{"cloud", {kSmall}, look},
           {"full keys", {kSmall, "mapping.cloud.keys_max = 2\nmapping.cloud.key_distance_m = 0.5\n"}, look},
@@ -91,6 +91,6 @@ std::vector<Scene> scenes() {
 
 }  // namespace
 
-KeyClass mapping_class() { return {"mapping", {"mapping."}, scenes}; }
+KeyClass mapping_class() { return {"mapping", {"mapping."}, all_mapping_scenes}; }
 
 }  // namespace odoless::test

@@ -22,6 +22,7 @@
 #include "tests/keys/transcript.hpp"
 #include "tests/support/private_network.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/times.hpp"
 
 namespace {
 
@@ -38,9 +39,9 @@ extern "C" int fdatasync(int descriptor) {
 namespace odoless::test {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr int kBeams = 40;
+using test::kMs;
+using test::kSecond;
+constexpr int kPublishedBeams = 40;
 
 /// Datagrams of LCM as they come, and through how many routers they might have gone.
 class Listener {
@@ -95,14 +96,14 @@ std::string sent(int port, const DaemonParams& params) {
     return link.reason();
   }
   link.send_again();
-  const std::vector<float> ranges_m = example_ranges_m(kBeams);
+  const std::vector<float> ranges_m = example_ranges_m(kPublishedBeams);
   const std::vector<std::byte> raw(3);
   for (int i = 0; i < 4; ++i) {
-    static_cast<void>(link.publish(example_scan(kBeams), ranges_m));
+    static_cast<void>(link.publish(example_scan(kPublishedBeams), ranges_m));
     static_cast<void>(link.publish(example_motion()));
     static_cast<void>(link.publish(example_pose()));
   }
-  static_cast<void>(link.publish_points(example_pose(), example_scan(kBeams), ranges_m));
+  static_cast<void>(link.publish_points(example_pose(), example_scan(kPublishedBeams), ranges_m));
   static_cast<void>(link.publish(RawBytesRecord{.stamp_ns = 5000, .size_bytes = 3}, raw));
   return listener.heard();
 }
@@ -115,9 +116,9 @@ std::string taken(const DaemonParams& params) {
   }
   LcmLink link(params.lcm, 10'000);
   EXPECT_EQ(link.open(), Errc::kOk) << link.reason();
-  static_cast<void>(link.publish(example_scan(kBeams), example_ranges_m(kBeams)));
+  static_cast<void>(link.publish(example_scan(kPublishedBeams), example_ranges_m(kPublishedBeams)));
   Transcript heard;
-  source.work(ManualClock(kSecond_ns), heard);
+  source.work(ManualClock(kSecond), heard);
   return heard.text();
 }
 
@@ -146,7 +147,7 @@ std::string recorded(const std::filesystem::path& folder, const DaemonParams& pa
     LogWriter writer(params.recorder);
     const std::vector<std::byte> message(100'000);
     for (int i = 0; i < 60; ++i) {
-      writer.record("KEYS", message, i * kSecond_ns / 10);
+      writer.record("KEYS", message, i * kSecond / 10);
     }
   }
   return files_in(folder) + fmt::format("{} times safe\n", times_synchronised);
@@ -194,12 +195,12 @@ std::string published(const std::filesystem::path& folder, const DaemonParams& p
     matcher.stage.scans = 2;
     FilterReport filter;
     filter.stage.scans = 1;
-    for (std::int64_t now_ns = 1000 * kSecond_ns; now_ns < 1008 * kSecond_ns; now_ns += 50 * kMs) {
-      const std::int64_t since_ns = now_ns - 1000 * kSecond_ns;
-      const bool silent = since_ns > 2 * kSecond_ns && since_ns < 4 * kSecond_ns;
+    for (std::int64_t now_ns = 1000 * kSecond; now_ns < 1008 * kSecond; now_ns += 50 * kMs) {
+      const std::int64_t since_ns = now_ns - 1000 * kSecond;
+      const bool silent = since_ns > 2 * kSecond && since_ns < 4 * kSecond;
       sensor.last_scan_ns = silent ? sensor.last_scan_ns : now_ns;
-      matcher.poor_in_a_row = since_ns > 5 * kSecond_ns && since_ns < 6 * kSecond_ns ? 4 : 0;
-      matcher.stage.deadline_misses = since_ns > 6 * kSecond_ns ? 1 : 0;
+      matcher.poor_in_a_row = since_ns > 5 * kSecond && since_ns < 6 * kSecond ? 4 : 0;
+      matcher.stage.deadline_misses = since_ns > 6 * kSecond ? 1 : 0;
       pipeline.sensor.report.write(sensor);
       pipeline.matcher.report.write(matcher);
       pipeline.filter.report.write(filter);

@@ -17,11 +17,12 @@
 #include "tests/keys/key_class.hpp"
 #include "tests/support/simulated_room.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless::test {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+using test::kSecond;
 
 /// Little memory, and an update of the filter with every scan.
 constexpr const char* kLittle = R"(
@@ -133,7 +134,7 @@ std::string matched(const DaemonParams& params) {
 
 /// What the filter does in its time, if matches took 8 s each, and how many tiles of the map it sends.
 std::string filtered(const DaemonParams& params) {
-  constexpr std::int64_t kMatch_ns = 8 * kSecond_ns;
+  constexpr std::int64_t kMatch_ns = 8 * kSecond;
   Pipeline pipeline(params.pipeline, params.robot, false);
   FilterStage stage(params.robot, 1);
   FilterLoop loop(pipeline, stage, params.pipeline, params.lcm.map_refresh_s);

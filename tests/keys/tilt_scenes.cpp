@@ -10,6 +10,7 @@
 #include "firmware/sources/tilt_source.hpp"
 #include "tests/keys/key_class.hpp"
 #include "tests/keys/transcript.hpp"
+#include "tests/support/times.hpp"
 #include "tools/emulate/cia402_device.hpp"
 #include "tools/emulate/dynamixel_device.hpp"
 #include "tools/emulate/maestro_device.hpp"
@@ -17,9 +18,9 @@
 namespace odoless::test {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::int64_t kStart_ns = 1000 * kSecond_ns;
+using test::kMs;
+using test::kSecond;
+constexpr std::int64_t kStart_ns = 1000 * kSecond;
 
 /// Of the protocol that is spoken; all else is the servo's own affair.
 std::unique_ptr<EmulatedServo> servo_of(TiltDriver driver, const std::vector<Fault>& faults) {
@@ -83,7 +84,7 @@ Scene servo_with(const std::string& name, const std::string& toml, const std::st
     faults = {parse_fault(fault)};
   }
   return {name, {"[tilt]\n" + toml}, [faults](const DaemonParams& params) {
-            return served(params.tilt, faults, 3 * kSecond_ns);
+            return served(params.tilt, faults, 3 * kSecond);
           }};
 }
 
@@ -93,7 +94,7 @@ std::string opened(const DaemonParams& params) {
   return fmt::format("{}: {}", params.tilt.device, line.ok() ? "open" : describe(line.error()));
 }
 
-std::vector<Scene> scenes() {
+std::vector<Scene> all_tilt_scenes() {
   const std::string wide = "at_start = \"sweep\"\nsweep_from_deg = -50\nsweep_to_deg = 50\nspeed_degps = 120\n";
   return {{"opening", {"[tilt]\ndriver = \"dynamixel\"\ndevice = \"/dev/null\"\n"}, opened},
           servo_with("dynamixel", "driver = \"dynamixel\"\n" + wide),
@@ -106,6 +107,6 @@ std::vector<Scene> scenes() {
 
 }  // namespace
 
-KeyClass tilt_class() { return {"tilt", {"tilt."}, scenes}; }
+KeyClass tilt_class() { return {"tilt", {"tilt."}, all_tilt_scenes}; }
 
 }  // namespace odoless::test

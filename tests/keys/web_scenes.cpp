@@ -44,7 +44,7 @@ std::string browsed(const DaemonParams& params) {
   return text + second;
 }
 
-std::vector<Scene> scenes() {
+std::vector<Scene> all_web_scenes() {
   return {{"browsed",
            {fmt::format("[web]\nlisten = \"127.0.0.1:{}\"\nname = \"robot.lan\"\nclients_max = 1\n", kPort)},
            browsed}};
@@ -52,6 +52,6 @@ std::vector<Scene> scenes() {
 
 }  // namespace
 
-KeyClass web_class() { return {"web", {"web."}, scenes, enter_private_network}; }
+KeyClass web_class() { return {"web", {"web."}, all_web_scenes, enter_private_network}; }
 
 }  // namespace odoless::test

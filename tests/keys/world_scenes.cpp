@@ -40,7 +40,7 @@ std::string kept(const std::filesystem::path& folder, const DaemonParams& params
   return text;
 }
 
-std::vector<Scene> scenes() {
+std::vector<Scene> all_world_scenes() {
   const auto folder = std::make_shared<TemporaryFolder>();
   const std::filesystem::path file = std::filesystem::path(folder->path()) / "kept" / "robot.world";
   return {{"kept",
@@ -50,6 +50,6 @@ std::vector<Scene> scenes() {
 
 }  // namespace
 
-KeyClass world_class() { return {"world", {"world."}, scenes}; }
+KeyClass world_class() { return {"world", {"world."}, all_world_scenes}; }
 
 }  // namespace odoless::test

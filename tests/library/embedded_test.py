@@ -25,7 +25,7 @@ class EmbeddedTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cache = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-        run("cmake", "-G", "Ninja", "-S", os.path.join(HERE, "embedded"), "-B", cls.folder, "-DCMAKE_CXX_FLAGS=-O1",
+        run("cmake", "-G", "Ninja", "-S", os.path.join(HERE, "embedded"), "-B", cls.folder, "-DCMAKE_CXX_FLAGS_RELEASE=-O1",
             "-DPython_EXECUTABLE=" + sys.executable, *cache)
         run("cmake", "--build", cls.folder)
 

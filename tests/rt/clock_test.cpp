@@ -10,11 +10,12 @@
 #include <ostream>
 
 #include "rt/cpu_clock.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kMillisecond_ns = 1'000'000;
+using test::kMs;
 
 struct ClockCase {
   const char* name;
@@ -42,13 +43,13 @@ TEST_P(ClockContract, IsAtTheStampThatWasSleptForOrLater) {
   std::int64_t wanted_ns = clock->now_ns();
   std::int64_t least_late_ns = std::numeric_limits<std::int64_t>::max();
   for (int i = 0; i < 10; ++i) {
-    wanted_ns += i * kMillisecond_ns / 4;
+    wanted_ns += i * kMs / 4;
     clock->sleep_until(wanted_ns);
     const std::int64_t late_ns = clock->now_ns() - wanted_ns;
     ASSERT_GE(late_ns, 0);
     least_late_ns = std::min(least_late_ns, late_ns);
   }
-  EXPECT_LT(least_late_ns, 1'000 * kMillisecond_ns);
+  EXPECT_LT(least_late_ns, 1'000 * kMs);
 }
 
 TEST_P(ClockContract, NeverRunsBackwards) {
@@ -63,13 +64,13 @@ TEST_P(ClockContract, NeverRunsBackwards) {
 
 TEST_P(ClockContract, ReturnsAtOnceFromAStampThatHasPassed) {
   const auto clock = GetParam().make();
-  clock->sleep_until(clock->now_ns() + kMillisecond_ns);
+  clock->sleep_until(clock->now_ns() + kMs);
   const std::int64_t least_ns = quickest_ns([&] {
-    clock->sleep_until(clock->now_ns() - 3'600'000 * kMillisecond_ns);
+    clock->sleep_until(clock->now_ns() - 3'600'000 * kMs);
     clock->sleep_until(0);
-    clock->sleep_until(-kMillisecond_ns);
+    clock->sleep_until(-kMs);
   });
-  EXPECT_LT(least_ns, 500 * kMillisecond_ns);
+  EXPECT_LT(least_ns, 500 * kMs);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -89,8 +90,8 @@ TEST(MonotonicClock, CountsFromTheUnixEpoch) {
 TEST(MonotonicClock, SleepsInRealTime) {
   MonotonicClock clock;
   const std::int64_t start_ns = monotonic_ns();
-  clock.sleep_until(clock.now_ns() + 20 * kMillisecond_ns);
-  EXPECT_GE(monotonic_ns() - start_ns, 20 * kMillisecond_ns);
+  clock.sleep_until(clock.now_ns() + 20 * kMs);
+  EXPECT_GE(monotonic_ns() - start_ns, 20 * kMs);
 }
 
 TEST(ManualClock, StandsStillUntilMoved) {
@@ -110,8 +111,8 @@ TEST(ReplayClock, IsExactlyAtTheStampsOfTheLog) {
   for (const double rate : {0.0, 1000.0}) {
     ReplayClock clock(rate);
     for (int i = 0; i < 100; ++i) {
-      clock.sleep_until(kLog_ns + i * kMillisecond_ns);
-      ASSERT_EQ(clock.now_ns(), kLog_ns + i * kMillisecond_ns);
+      clock.sleep_until(kLog_ns + i * kMs);
+      ASSERT_EQ(clock.now_ns(), kLog_ns + i * kMs);
     }
   }
 }
@@ -121,11 +122,11 @@ TEST(ReplayClock, KeepsTheRateAfterTheFirstStamp) {
     const std::int64_t least_ns = quickest_ns([rate] {
       ReplayClock clock(rate);
       clock.sleep_until(kLog_ns);
-      clock.sleep_until(kLog_ns + 40 * kMillisecond_ns);
+      clock.sleep_until(kLog_ns + 40 * kMs);
     });
-    const std::int64_t wanted_ns = static_cast<std::int64_t>(40 * kMillisecond_ns / rate);
+    const std::int64_t wanted_ns = static_cast<std::int64_t>(40 * kMs / rate);
     EXPECT_GE(least_ns, wanted_ns);
-    EXPECT_LT(least_ns, wanted_ns + 500 * kMillisecond_ns);
+    EXPECT_LT(least_ns, wanted_ns + 500 * kMs);
   }
 }
 
@@ -133,9 +134,9 @@ TEST(ReplayClock, OfRateZeroDoesNotSleep) {
   const std::int64_t least_ns = quickest_ns([] {
     ReplayClock clock(0.0);
     clock.sleep_until(kLog_ns);
-    clock.sleep_until(kLog_ns + 3'600'000 * kMillisecond_ns);
+    clock.sleep_until(kLog_ns + 3'600'000 * kMs);
   });
-  EXPECT_LT(least_ns, 500 * kMillisecond_ns);
+  EXPECT_LT(least_ns, 500 * kMs);
 }
 
 }  // namespace

@@ -5,10 +5,12 @@
 #include <chrono>
 #include <thread>
 
+#include "tests/support/times.hpp"
+
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kMillisecond_ns = 1'000'000;
+using test::kMs;
 
 void compute_for(std::int64_t duration_ns) {
   const std::int64_t end_ns = thread_cpu_ns() + duration_ns;
@@ -31,30 +33,30 @@ TEST(CpuClock, CountsWorkAndNotSleep) {
   const std::int64_t start_ns = thread_cpu_ns();
   const std::int64_t start_wall_ns = monotonic_ns();
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_GE(monotonic_ns() - start_wall_ns, 50 * kMillisecond_ns);
-  EXPECT_LT(thread_cpu_ns() - start_ns, 25 * kMillisecond_ns);
-  compute_for(5 * kMillisecond_ns);
-  EXPECT_GE(thread_cpu_ns() - start_ns, 5 * kMillisecond_ns);
+  EXPECT_GE(monotonic_ns() - start_wall_ns, 50 * kMs);
+  EXPECT_LT(thread_cpu_ns() - start_ns, 25 * kMs);
+  compute_for(5 * kMs);
+  EXPECT_GE(thread_cpu_ns() - start_ns, 5 * kMs);
 }
 
 TEST(CpuClock, OfTheProcessCountsAllThreads) {
   const std::int64_t process_start_ns = process_cpu_ns();
   const std::int64_t thread_start_ns = thread_cpu_ns();
-  std::thread([] { compute_for(20 * kMillisecond_ns); }).join();
-  EXPECT_GE(process_cpu_ns() - process_start_ns, 20 * kMillisecond_ns);
-  EXPECT_LT(thread_cpu_ns() - thread_start_ns, 10 * kMillisecond_ns);
+  std::thread([] { compute_for(20 * kMs); }).join();
+  EXPECT_GE(process_cpu_ns() - process_start_ns, 20 * kMs);
+  EXPECT_LT(thread_cpu_ns() - thread_start_ns, 10 * kMs);
 }
 
 TEST(CpuDeadline, ExpiresWhenItsBudgetIsComputed) {
-  const CpuDeadline deadline(10 * kMillisecond_ns);
+  const CpuDeadline deadline(10 * kMs);
   EXPECT_FALSE(deadline.view().expired());
-  compute_for(10 * kMillisecond_ns);
+  compute_for(10 * kMs);
   EXPECT_TRUE(deadline.view().expired());
 }
 
 TEST(CpuDeadline, DoesNotExpireWhileItsThreadSleepsOrAnotherWorks) {
-  const CpuDeadline deadline(20 * kMillisecond_ns);
-  std::thread([] { compute_for(40 * kMillisecond_ns); }).join();
+  const CpuDeadline deadline(20 * kMs);
+  std::thread([] { compute_for(40 * kMs); }).join();
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_FALSE(deadline.view().expired());
 }

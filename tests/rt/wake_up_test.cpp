@@ -7,11 +7,12 @@
 #include <thread>
 
 #include "rt/cpu_clock.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kMillisecond_ns = 1'000'000;
+using test::kMs;
 
 bool is_readable(int descriptor) {
   pollfd watched{.fd = descriptor, .events = POLLIN, .revents = 0};
@@ -21,8 +22,8 @@ bool is_readable(int descriptor) {
 TEST(WakeUp, TimesOutWithoutANotification) {
   WakeUp wake_up;
   const std::int64_t start_ns = monotonic_ns();
-  EXPECT_FALSE(wake_up.wait(20 * kMillisecond_ns));
-  EXPECT_GE(monotonic_ns() - start_ns, 20 * kMillisecond_ns);
+  EXPECT_FALSE(wake_up.wait(20 * kMs));
+  EXPECT_GE(monotonic_ns() - start_ns, 20 * kMs);
   EXPECT_FALSE(wake_up.wait(0));
 }
 
@@ -57,14 +58,14 @@ TEST(WakeUp, LosesNoNotificationBetweenThreads) {
   WakeUp back;
   std::atomic<int> answered = 0;
   std::thread other([&] {
-    for (int i = 0; i < kRounds && to_other.wait(5'000 * kMillisecond_ns); ++i) {
+    for (int i = 0; i < kRounds && to_other.wait(5'000 * kMs); ++i) {
       ++answered;
       back.notify();
     }
   });
   for (int i = 0; i < kRounds; ++i) {
     to_other.notify();
-    if (!back.wait(5'000 * kMillisecond_ns)) {
+    if (!back.wait(5'000 * kMs)) {
       break;
     }
   }

@@ -69,14 +69,6 @@ TEST(Command, NamesTheCommandThatAMisspelledOneMeant) {
   }
 }
 
-TEST(Command, CtlWatchesAndGivesJsonOfTheStatusAlone) {
-  for (const char* const option : {"--json", "--watch"}) {
-    const Outcome outcome = run({"ctl", "--socket", "/nowhere", option, "save"});
-    EXPECT_EQ(outcome.status, 64);
-    EXPECT_THAT(outcome.err, HasSubstr("go with the command status alone"));
-  }
-}
-
 TEST(Command, CtlSaysWhoseSocketItIsThatAUserMayNotUse) {
   if (::geteuid() == 0) {
     GTEST_SKIP() << "root may use any";

@@ -32,7 +32,7 @@ TEST(Config, TheFileToBeginWithIsShortAndEachOfItsLinesIsAccepted) {
   EXPECT_THAT(used, HasSubstr("\nturn_rate_max_degps = 401.1\n"));
   EXPECT_LE(common_keys().size(), 40U);
   for (const std::string_view key : common_keys()) {
-    EXPECT_THAT(used, HasSubstr("\n" + std::string(key.substr(key.rfind('.') + 1)) + " = ")) << key;
+    EXPECT_THAT(used, HasSubstr(std::string("\n").append(key.substr(key.rfind('.') + 1)) + " = ")) << key;
   }
   DaemonParams params;
   EXPECT_NO_THROW(parse_parameters(used, "defaults", params));

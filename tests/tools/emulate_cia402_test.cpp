@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "tests/support/times.hpp"
 #include "tools/emulate/cia402_device.hpp"
 
 namespace odoless {
@@ -16,7 +17,7 @@ using canopen::Object;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 
 CanFrame frame_of(std::uint32_t id, std::initializer_list<int> data) {
   CanFrame made;

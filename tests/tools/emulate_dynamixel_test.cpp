@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "tests/support/times.hpp"
 #include "tools/emulate/dynamixel_device.hpp"
 
 namespace odoless {
@@ -15,7 +16,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 constexpr int kAll = 0xFE;
 
 using Bytes = std::vector<std::uint8_t>;

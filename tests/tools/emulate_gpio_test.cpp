@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "tests/support/times.hpp"
 #include "tools/command/error.hpp"
 #include "tools/emulate/emulated_gpio.hpp"
 #include "tools/emulate/recorded_gpio.hpp"
@@ -13,7 +14,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 TEST(EmulatedGpio, PressesTheStopAndGivesPulses) {

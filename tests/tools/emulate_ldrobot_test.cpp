@@ -47,7 +47,7 @@ double wrong_share(Bench& bench, const test::HeardScan& scan, std::int64_t index
 }
 
 /// Every scan that was heard is one that was sent, with its time.
-void expect_scans_true(Bench& bench, std::int64_t stamp_error_max_ns) {
+void expect_ldrobot_scans_true(Bench& bench, std::int64_t stamp_error_max_ns) {
   for (const test::HeardScan& scan : bench.heard().scans) {
     const SentScan* nearest = nullptr;
     for (const SentScan& sent : bench.sent()) {
@@ -70,7 +70,7 @@ TEST(LdrobotSession, FindsTheStreamOfEveryModelAtItsRateAndHearsItsTurns) {
       EXPECT_EQ(bench.session().geometry().range_max_m, model.range_far_m);
       EXPECT_EQ(bench.heard().events.size(), 1U) << "it is ready";
       EXPECT_GE(bench.heard().scans.size(), 34U);
-      expect_scans_true(bench, kMs);
+      expect_ldrobot_scans_true(bench, kMs);
       EXPECT_NEAR(static_cast<double>(bench.session().geometry().period_ns), 1e8, 2e5);
       EXPECT_NEAR(bench.heard().scans[0].angle_step_rad, -2.0 * std::numbers::pi / 450.0, 1e-7) << "clockwise";
       EXPECT_NEAR(static_cast<double>(bench.heard().scans.back().beam_period_ns * 450), 1e8, 1e6);
@@ -87,7 +87,7 @@ TEST(LdrobotSession, GivesAsManyBeamsAsAreWished) {
   bench.run(2 * kSecond);
   ASSERT_FALSE(bench.heard().scans.empty());
   EXPECT_EQ(bench.heard().scans[0].ranges_m.size(), 2000U);
-  expect_scans_true(bench, kMs);
+  expect_ldrobot_scans_true(bench, kMs);
 }
 
 TEST(LdrobotSession, RefusesMoreBeamsThanThereIsRoomFor) {
@@ -161,7 +161,7 @@ TEST_P(LdrobotSessionFault, IsSurvived) {
   const auto sent = static_cast<int>((bench.now_ns() - first_ns) / (100 * kMs));
   EXPECT_LE(sent - static_cast<int>(bench.heard().scans.size()), GetParam().scans_lost_max);
   EXPECT_LT(bench.now_ns() - bench.heard().scans.back().arrival_ns, 120 * kMs);
-  expect_scans_true(bench, 4 * kMs);
+  expect_ldrobot_scans_true(bench, 4 * kMs);
 }
 
 INSTANTIATE_TEST_SUITE_P(Ldrobot, LdrobotSessionFault,

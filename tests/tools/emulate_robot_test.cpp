@@ -14,6 +14,7 @@
 #include "firmware/lcm/log_writer.hpp"
 #include "tests/support/run_command.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/times.hpp"
 #include "tests/tools/servo_support.hpp"
 #include "tests/tools/sim_support.hpp"
 #include "tools/command/error.hpp"
@@ -30,7 +31,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 /// A drive and a session on a bus for some seconds, each millisecond; what the session hears, and what both say.

@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-std::string bytes(std::initializer_list<int> values) {
+std::string rplidar_bytes(std::initializer_list<int> values) {
   std::string text;
   for (const int value : values) {
     text += static_cast<char>(value);
@@ -32,7 +32,7 @@ std::string number(unsigned value, int bytes) {
 }
 
 std::string request(int command, std::string_view payload) {
-  std::string text = bytes({0xA5, command, static_cast<int>(payload.size())});
+  std::string text = rplidar_bytes({0xA5, command, static_cast<int>(payload.size())});
   text += payload;
   int sum = 0;
   for (const char c : text) {
@@ -53,12 +53,12 @@ class EmulatedRplidar : public ::testing::TestWithParam<const char*> {
   }
   /// The value of a setting as the SDK asks for it: key and mode, and 32 bytes for what may come.
   std::string setting(int key, int mode = 0) {
-    const std::string answer = said(request(0x84, bytes({key, 0, 0, 0, mode, 0}) + std::string(30, '\0')));
+    const std::string answer = said(request(0x84, rplidar_bytes({key, 0, 0, 0, mode, 0}) + std::string(30, '\0')));
     EXPECT_THAT(answer, SizeIs(::testing::Ge(11U)));
     const auto length = static_cast<unsigned char>(answer[2]);
-    EXPECT_EQ(answer.substr(3, 4), bytes({0, 0, 0, 0x20}));
+    EXPECT_EQ(answer.substr(3, 4), rplidar_bytes({0, 0, 0, 0x20}));
     EXPECT_EQ(answer.size(), 7U + length);
-    EXPECT_EQ(answer.substr(7, 4), bytes({key, 0, 0, 0}));
+    EXPECT_EQ(answer.substr(7, 4), rplidar_bytes({key, 0, 0, 0}));
     return answer.substr(11);
   }
 
@@ -96,14 +96,14 @@ TEST_P(EmulatedNewRplidar, EverySettingThatTheSdkAsksForHasItsValue) {
 }
 
 TEST_P(EmulatedNewRplidar, StartsTheScansOfItsListAndNoOther) {
-  static_cast<void>(said(request(0xF0, bytes({0x94, 0x02}))));
+  static_cast<void>(said(request(0xF0, rplidar_bytes({0x94, 0x02}))));
   for (std::size_t i = 1; i < model_.modes.size(); ++i) {
     const rplidar::CapsuleFormat& format = *rplidar::find_capsule_format(model_.modes[i].answer_type);
-    EXPECT_EQ(said(request(0x82, bytes({static_cast<int>(i), 0, 0, 0, 0}))),
-              bytes({0xA5, 0x5A, static_cast<int>(format.bytes), 0, 0, 0x40, format.type}));
-    static_cast<void>(said(bytes({0xA5, 0x25})));
+    EXPECT_EQ(said(request(0x82, rplidar_bytes({static_cast<int>(i), 0, 0, 0, 0}))),
+              rplidar_bytes({0xA5, 0x5A, static_cast<int>(format.bytes), 0, 0, 0x40, format.type}));
+    static_cast<void>(said(rplidar_bytes({0xA5, 0x25})));
   }
-  EXPECT_THAT(said(request(0x82, bytes({static_cast<int>(model_.modes.size()), 0, 0, 0, 0}))), IsEmpty());
+  EXPECT_THAT(said(request(0x82, rplidar_bytes({static_cast<int>(model_.modes.size()), 0, 0, 0, 0}))), IsEmpty());
 }
 
 // Owners' logs of an A1 (7.9 kHz by Sensitivity), an A2 (8.0 by Boost), an A3 (15.9), a C1 (5), an S1 (9.2), an S2
@@ -133,11 +133,11 @@ using EmulatedOldRplidar = EmulatedRplidar;
 INSTANTIATE_TEST_SUITE_P(Models, EmulatedOldRplidar, ::testing::Values("rplidar-a1-1.16"));
 
 TEST_P(EmulatedOldRplidar, KnowsNothingThatCameWithLaterFirmware) {
-  EXPECT_EQ(said(bytes({0xA5, 0x50})).substr(7, 3), bytes({0x18, 16, 1}));
-  EXPECT_THAT(said(request(0x82, bytes({0, 0, 0, 0, 0}))), IsEmpty()) << "the express scan: 1.17";
-  EXPECT_THAT(said(bytes({0xA5, 0x59})), IsEmpty()) << "sample times: 1.17";
-  EXPECT_THAT(said(request(0x84, bytes({0x70, 0, 0, 0}))), IsEmpty()) << "settings: 1.24";
-  EXPECT_THAT(said(bytes({0xA5, 0x20})), StartsWith(bytes({0xA5, 0x5A, 5, 0, 0, 0x40, 0x81})));
+  EXPECT_EQ(said(rplidar_bytes({0xA5, 0x50})).substr(7, 3), rplidar_bytes({0x18, 16, 1}));
+  EXPECT_THAT(said(request(0x82, rplidar_bytes({0, 0, 0, 0, 0}))), IsEmpty()) << "the express scan: 1.17";
+  EXPECT_THAT(said(rplidar_bytes({0xA5, 0x59})), IsEmpty()) << "sample times: 1.17";
+  EXPECT_THAT(said(request(0x84, rplidar_bytes({0x70, 0, 0, 0}))), IsEmpty()) << "settings: 1.24";
+  EXPECT_THAT(said(rplidar_bytes({0xA5, 0x20})), StartsWith(rplidar_bytes({0xA5, 0x5A, 5, 0, 0, 0x40, 0x81})));
 }
 
 }  // namespace

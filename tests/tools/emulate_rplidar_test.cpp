@@ -41,7 +41,7 @@ std::string tested(const RplidarModel& model, RplidarScan scan) {
 }
 
 /// The share of beams that differ by more than 2 cm from what the world has.
-double wrong_share(Bench& bench, const test::HeardScan& scan, std::int64_t index) {
+double wrong_rplidar_share(Bench& bench, const test::HeardScan& scan, std::int64_t index) {
   std::vector<EmulatedBeam> beams;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     beams.push_back({scan.start_angle_rad + static_cast<double>(i) * scan.angle_step_rad, 0});
@@ -56,18 +56,18 @@ double wrong_share(Bench& bench, const test::HeardScan& scan, std::int64_t index
 }
 
 /// Every scan that was heard is one that was sent, with its time; at edges, a beam may see the other surface.
-void expect_scans_true(Bench& bench, std::int64_t stamp_error_max_ns) {
+void expect_rplidar_scans_true(Bench& bench, std::int64_t stamp_error_max_ns) {
   for (const test::HeardScan& scan : bench.heard().scans) {
     const SentScan* nearest = nullptr;
     for (const SentScan& sent : bench.sent()) {
       nearest = std::abs(sent.first_beam_ns - scan.stamp_ns) <= stamp_error_max_ns ? &sent : nearest;
     }
     ASSERT_NE(nearest, nullptr) << "no scan was sent with the stamp " << scan.stamp_ns;
-    ASSERT_LT(wrong_share(bench, scan, nearest->index), 0.05);
+    ASSERT_LT(wrong_rplidar_share(bench, scan, nearest->index), 0.05);
   }
 }
 
-WorldDrive quiet_drive() {
+WorldDrive quiet_rplidar_drive() {
   WorldDrive drive = test::small_drive();
   drive.noise_sd_m = 0.0;
   return drive;
@@ -77,7 +77,7 @@ TEST(RplidarSession, BringsEveryModelUpAndHearsItsTurns) {
   for (const RplidarModel& model : rplidar_models()) {
     for (const RplidarScan scan : scans_of(model)) {
       SCOPED_TRACE(tested(model, scan));
-      Bench bench(std::string(model.name), {}, rplidar_params(scan), quiet_drive());
+      Bench bench(std::string(model.name), {}, rplidar_params(scan), quiet_rplidar_drive());
       bench.reset();
       bench.run(5 * kSecond);
       ASSERT_TRUE(bench.session().ready());
@@ -85,7 +85,7 @@ TEST(RplidarSession, BringsEveryModelUpAndHearsItsTurns) {
       EXPECT_EQ(bench.heard().events.size(), 1U);
       EXPECT_GE(bench.heard().scans.size(), static_cast<std::size_t>(3500 * kMs / model.turn_ns) - 2U);
       EXPECT_NEAR(static_cast<double>(bench.session().geometry().period_ns), static_cast<double>(model.turn_ns), 1e6);
-      expect_scans_true(bench, kMs);
+      expect_rplidar_scans_true(bench, kMs);
       EXPECT_NEAR(static_cast<double>(bench.heard().scans.back().beam_period_ns * 360),
                   static_cast<double>(model.turn_ns), 1e6);
       EXPECT_NEAR(bench.heard().scans[0].angle_step_rad, -std::numbers::pi / 180.0, 1e-7) << "clockwise";
@@ -113,7 +113,7 @@ TEST(RplidarSession, ComesToTheStreamFromEveryState) {
 
 /// A corridor whose ends are too far to be seen.
 WorldDrive long_corridor() {
-  WorldDrive drive = quiet_drive();
+  WorldDrive drive = quiet_rplidar_drive();
   drive.world = parse_world("room 0 0  60 4\nbox 28 3.2  1 0.3\nspeed 0.01\ngo 30 1.5  30.01 1.5\n", "corridor");
   return drive;
 }
@@ -219,12 +219,12 @@ TEST(RplidarSession, TurnsTheMotorWhereThatIsACommand) {
 TEST(RplidarSession, GivesAsManyBeamsAsAreWished) {
   LrfParams params = rplidar_params(RplidarScan::kExpress);
   params.rplidar_beams = 720;
-  Bench bench("rplidar-a1", {}, params, quiet_drive());
+  Bench bench("rplidar-a1", {}, params, quiet_rplidar_drive());
   bench.reset();
   bench.run(2 * kSecond);
   ASSERT_FALSE(bench.heard().scans.empty());
   EXPECT_EQ(bench.heard().scans[0].ranges_m.size(), 720U);
-  expect_scans_true(bench, kMs);
+  expect_rplidar_scans_true(bench, kMs);
 }
 
 TEST(RplidarSession, ResetsADeviceThatSaysItIsBroken) {
@@ -293,7 +293,7 @@ class RplidarSessionFault : public ::testing::TestWithParam<test::FaultCase> {};
 // Two seconds into the stream, a fault; in the end the stream runs again.
 TEST_P(RplidarSessionFault, IsSurvived) {
   for (const RplidarScan scan : {RplidarScan::kStandard, RplidarScan::kExpress}) {
-    Bench bench("rplidar-a2", {.faults = {parse_fault(GetParam().fault)}}, rplidar_params(scan), quiet_drive());
+    Bench bench("rplidar-a2", {.faults = {parse_fault(GetParam().fault)}}, rplidar_params(scan), quiet_rplidar_drive());
     bench.reset();
     bench.run(9 * kSecond);
     EXPECT_TRUE(bench.session().ready());
@@ -308,7 +308,7 @@ TEST_P(RplidarSessionFault, IsSurvived) {
                          bench.sent()[0].index;
       double least = 1.0;  // after bytes that were lost, stamps lag until that is known
       for (std::int64_t i = index; i < index + 6; ++i) {
-        least = std::min(least, wrong_share(bench, heard, i));
+        least = std::min(least, wrong_rplidar_share(bench, heard, i));
       }
       ASSERT_LT(least, 0.05);
     }

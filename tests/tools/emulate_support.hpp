@@ -9,15 +9,13 @@
 
 #include "drivers/io/serial_port.hpp"
 #include "drivers/lrf/make_lrf_session.hpp"
+#include "tests/support/times.hpp"
 #include "tools/emulate/lrf_models.hpp"
 #include "tools/emulate/scip_device.hpp"
 #include "tools/emulate/world_source.hpp"
 #include "tools/sim/world_file.hpp"
 
 namespace odoless::test {
-
-constexpr std::int64_t kMs = 1'000'000;
-constexpr std::int64_t kSecond = 1'000'000'000;
 
 /// What a session told, copied.
 struct HeardScan {

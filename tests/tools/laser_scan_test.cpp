@@ -13,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
 
 /// What is written in the message, in its order.
 struct Written {
@@ -112,7 +112,7 @@ TEST(LaserScan, SaysTheSameInEveryEncoding) {
 
 TEST(LaserScan, TellsNoReturnFromWhatIsNotKnown) {
   const LogScan scan = scan_of(
-      decode_laser_scan(ros1({.ranges_m = {kNan, kInfinity, -kInfinity, 0.4F, 0.5F, 10.0F}}), RosEncoding::kRos1));
+      decode_laser_scan(ros1({.ranges_m = {kNoNumber, kInfinity, -kInfinity, 0.4F, 0.5F, 10.0F}}), RosEncoding::kRos1));
   ScanFrame frame{ScanParams{}};
   ASSERT_EQ(frame.assign(scan.raw()), Errc::kOk);
   const std::vector<BeamState> expected{BeamState::kInvalid, BeamState::kNoReturn, BeamState::kInvalid,
@@ -123,7 +123,7 @@ TEST(LaserScan, TellsNoReturnFromWhatIsNotKnown) {
 }
 
 TEST(LaserScan, TimesAndLimitsThatTellNothingAreUnknown) {
-  for (const float nothing : {0.0F, -1.0F, kNan, kInfinity}) {
+  for (const float nothing : {0.0F, -1.0F, kNoNumber, kInfinity}) {
     const LogScan scan =
         scan_of(decode_laser_scan(ros1({.time_increment_s = nothing, .range_max_m = nothing}), RosEncoding::kRos1));
     EXPECT_EQ(scan.beam_period_ns, 0);

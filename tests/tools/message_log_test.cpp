@@ -17,7 +17,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kBeyond = std::numeric_limits<float>::infinity();
 constexpr const char* kCorpora[] = {"lcm_log", "ros_bag", "mcap", "sqlite_bag", "rawlog"};
 
 std::vector<std::filesystem::path> files() {
@@ -34,7 +34,7 @@ std::vector<std::filesystem::path> files() {
 
 // tests/interop/make_corpus.py made them.
 float true_range_m(int scan, int beam) {
-  return beam == 7 ? kInfinity : 1.0F + 0.25F * static_cast<float>((7 * beam + 3 * scan) % 11);
+  return beam == 7 ? kBeyond : 1.0F + 0.25F * static_cast<float>((7 * beam + 3 * scan) % 11);
 }
 
 TEST(MessageLog, FilesOfEachFormatsOwnToolsHaveTheSameScans) {

@@ -23,7 +23,7 @@ using ::testing::IsEmpty;
 
 constexpr double kDegreeRad = std::numbers::pi / 180.0;
 constexpr std::int64_t kFirst_ns = 1'000'000'000'000;
-constexpr std::int64_t kPeriod_ns = 200'000'000;
+constexpr std::int64_t kScanPeriod_ns = 200'000'000;
 
 /// Range to the walls of a room from a point in it, or to the pillars that stand in it.
 float range_in_room_m(double x_m, double y_m, double angle_rad) {
@@ -39,7 +39,7 @@ ScanLog good_log() {
   Rng rng(5);
   ScanLog log{.format = "made for a test", .has_stamps = true, .scans = {}};
   for (int i = 0; i < 300; ++i) {
-    LogScan scan{.stamp_ns = kFirst_ns + i * kPeriod_ns,
+    LogScan scan{.stamp_ns = kFirst_ns + i * kScanPeriod_ns,
                  .start_angle_rad = -90.0 * kDegreeRad,
                  .angle_step_rad = kDegreeRad,
                  .no_return_m = 80.0F,

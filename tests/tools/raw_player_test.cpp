@@ -6,13 +6,15 @@
 #include <cstdint>
 #include <limits>
 
+#include "tests/support/times.hpp"
+
 namespace odoless {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 RawPiece sent(std::int64_t time_ms, const char* bytes) { return {time_ms * 1000, true, bytes}; }

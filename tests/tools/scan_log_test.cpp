@@ -19,16 +19,16 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr double kDegreeRad = std::numbers::pi / 180.0;
+constexpr double kBeamStepRad = std::numbers::pi / 180.0;
 
-ScanLog read(std::string_view text) {
+ScanLog read_text(std::string_view text) {
   LineReader lines(view_bytes(text, "test.log"), "test.log");
   return read_scan_log(lines);
 }
 
 std::string error_of(std::string_view text) {
   try {
-    static_cast<void>(read(text));
+    static_cast<void>(read_text(text));
   } catch (const DataError& error) {
     EXPECT_EQ(error.exit_code(), 65);
     return error.what();
@@ -57,7 +57,7 @@ std::string flaser(int ranges, const std::string& tail = "0 0 0 0 0 0 12.5 host 
 }
 
 TEST(ScanLog, ReadsFlaserAndSkipsEveryOtherMessage) {
-  const ScanLog log = read(
+  const ScanLog log = read_text(
       "# comment\nPARAM a b 0 nohost 0\nODOM 1 2 3 0 0 0 1 h 1\n\nSYNC x\n"
       "FLASER 3 1.5 81.91 inf 1 2 3 4 5 6 10.25 host 0.1\nNEFF 4\n"
       "\t FLASER\t3  0 nan 2 1 2 3 4 5 6 10.5 host 0.1 \r\n");
@@ -75,15 +75,15 @@ TEST(ScanLog, FlaserSpreadsItsBeamsByTheirNumber) {
   const std::vector<std::pair<int, double>> steps{{180, 1.0}, {181, 1.0},  {360, 0.5}, {361, 0.5},
                                                   {91, 2.0},  {721, 0.25}, {2, 180.0}};
   for (const auto& [ranges, step_deg] : steps) {
-    const ScanLog log = read(flaser(ranges));
-    EXPECT_EQ(log.scans[0].start_angle_rad, static_cast<float>(-90 * kDegreeRad)) << ranges;
-    EXPECT_EQ(log.scans[0].angle_step_rad, static_cast<float>(step_deg * kDegreeRad)) << ranges;
+    const ScanLog log = read_text(flaser(ranges));
+    EXPECT_EQ(log.scans[0].start_angle_rad, static_cast<float>(-90 * kBeamStepRad)) << ranges;
+    EXPECT_EQ(log.scans[0].angle_step_rad, static_cast<float>(step_deg * kBeamStepRad)) << ranges;
     EXPECT_EQ(log.scans[0].ranges_m.size(), static_cast<std::size_t>(ranges));
   }
 }
 
 TEST(ScanLog, ReadsRobotLaserWhoseGeometryChanges) {
-  const ScanLog log = read(
+  const ScanLog log = read_text(
       "ROBOTLASER1 0 -1.5 3.0 0.5 20 0.01 0 3 1 2 20 0 1 2 3 4 5 6 0 0 0.1 0.2 0.3 7.5 host 1\n"
       "ROBOTLASER1 0 -0.5 1.0 0.25 0 0.01 1 2 1 30 2 9 9 1 2 3 4 5 6 0 0 0.1 0.2 0.3 7.75 host 1\n");
   EXPECT_EQ(log.format, "CARMEN ROBOTLASER1");
@@ -99,21 +99,22 @@ TEST(ScanLog, ReadsRobotLaserWhoseGeometryChanges) {
 }
 
 TEST(ScanLog, TakesEachScanOnceWhenTheLogHasItTwice) {
-  EXPECT_EQ(read(flaser(3) + "ROBOTLASER1 0 -1 2 1 20 0 0 1 1 0 0 0 0 0 0 0 0 0 0 0 0 12.5 h 1\n").scans.size(), 1U);
+  EXPECT_EQ(read_text(flaser(3) + "ROBOTLASER1 0 -1 2 1 20 0 0 1 1 0 0 0 0 0 0 0 0 0 0 0 0 12.5 h 1\n").scans.size(),
+            1U);
 }
 
 TEST(ScanLog, ReadsDpSlamWithoutStamps) {
-  const ScanLog log = read("Odometry 1 2 3 \nLaser 3 1 8.19 2 \nOdometry 1 2 3\nLaser 3 1 2 3\n");
+  const ScanLog log = read_text("Odometry 1 2 3 \nLaser 3 1 8.19 2 \nOdometry 1 2 3\nLaser 3 1 2 3\n");
   EXPECT_EQ(log.format, "DP-SLAM");
   EXPECT_FALSE(log.has_stamps);
   ASSERT_EQ(log.scans.size(), 2U);
   EXPECT_EQ(log.scans[1].stamp_ns, 200'000'000);
-  EXPECT_EQ(log.scans[0].angle_step_rad, static_cast<float>(90 * kDegreeRad));
+  EXPECT_EQ(log.scans[0].angle_step_rad, static_cast<float>(90 * kBeamStepRad));
   EXPECT_EQ(log.scans[0].no_return_m, 8.0F);
 }
 
 TEST(ScanLog, ReadsCsvWithAndWithoutATrailingField) {
-  const ScanLog log = read(
+  const ScanLog log = read_text(
       "# t,angle_min,...\n1282836370.970876,-2.0,0.5,0,0.1,0.02,5.6,2,3.0,5.6\n"
       "1282836371.071704,-2.0,0.5,0,0.1,0.02,5.6,2,3.0,5.6,42\n"
       "1282836371.171704,-2.0,0.5,0,0.1,0.02,5.6,2,3.0,5.7,\n");
@@ -126,14 +127,14 @@ TEST(ScanLog, ReadsCsvWithAndWithoutATrailingField) {
 
 TEST(ScanLog, CountsScansWhereStampsTellNothing) {
   for (const char* const tail : {"0 0 0 0 0 0", "0 0 0 0 0 0 0 host 0", "0 0 0 0 0 0 1.01893e+09 host 1"}) {
-    const ScanLog log = read(flaser(3, tail) + flaser(3, tail) + flaser(3, tail));
+    const ScanLog log = read_text(flaser(3, tail) + flaser(3, tail) + flaser(3, tail));
     EXPECT_FALSE(log.has_stamps) << tail;
     EXPECT_EQ(log.scans[2].stamp_ns, 400'000'000) << tail;
   }
 }
 
 TEST(ScanLog, KeepsStampsThatGoBackwards) {
-  const ScanLog log = read(flaser(3, "0 0 0 0 0 0 5 h 0") + flaser(3, "0 0 0 0 0 0 4 h 0"));
+  const ScanLog log = read_text(flaser(3, "0 0 0 0 0 0 5 h 0") + flaser(3, "0 0 0 0 0 0 4 h 0"));
   EXPECT_TRUE(log.has_stamps);
   EXPECT_EQ(log.scans[1].stamp_ns, 4'000'000'000);
 }
@@ -218,8 +219,8 @@ TEST_P(RealLogs, AreReadWhole) {
   for (const LogScan& scan : log.scans) {
     ASSERT_EQ(scan.ranges_m.size(), expected.beams);
   }
-  EXPECT_NEAR(log.scans[0].start_angle_rad, expected.start_deg * kDegreeRad, 1e-4);
-  EXPECT_NEAR(log.scans[0].angle_step_rad, expected.step_deg * kDegreeRad, 1e-6);
+  EXPECT_NEAR(log.scans[0].start_angle_rad, expected.start_deg * kBeamStepRad, 1e-4);
+  EXPECT_NEAR(log.scans[0].angle_step_rad, expected.step_deg * kBeamStepRad, 1e-6);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -237,7 +238,7 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 TEST(ScanLog, AByteOrderMarkCostsNoScan) {
-  EXPECT_EQ(read("\xEF\xBB\xBF" + flaser(3) + "\n" + flaser(3) + "\n").scans.size(), 2U);
+  EXPECT_EQ(read_text("\xEF\xBB\xBF" + flaser(3) + "\n" + flaser(3) + "\n").scans.size(), 2U);
 }
 
 // A line of a few bytes, and packed of hardly any, becomes a scan of many.

@@ -15,7 +15,7 @@ using test::kServoSecond;
 using test::ServoBench;
 
 constexpr std::int64_t kStartNs = 1000 * kServoSecond;
-constexpr double kResolutionRad = 0.001;  ///< some counts of 16000 a turn
+constexpr double kStepRad = 0.001;  ///< some counts of 16000 a turn
 
 TiltParams maestro_params(TiltCommand at_start = TiltCommand::kLevel) {
   TiltParams params = test::servo_params(TiltDriver::kMaestro);
@@ -69,7 +69,7 @@ TEST(MaestroSession, ComesToTheLevelPoseAndSaysThatNobodyMeasures) {
   bench.reset();
   EXPECT_GT(bench.run_until(TiltState::kLevel, 3 * kServoSecond), 0);
   bench.run(kServoSecond);
-  EXPECT_NEAR(bench.angle_rad(), 0.0, kResolutionRad);
+  EXPECT_NEAR(bench.angle_rad(), 0.0, kStepRad);
   ASSERT_EQ(bench.heard().events.size(), 2U);
   EXPECT_EQ(bench.heard().events[0].type, TiltEventType::kReady);
   EXPECT_EQ(bench.heard().events[1].code, static_cast<std::int64_t>(TiltLack::kMeasurement));
@@ -112,7 +112,7 @@ TEST(MaestroSession, StopsWithin200MsWithoutGoingBack) {
   EXPECT_LT(stopped_rad, asked_rad + 0.1);
   bench.run(3 * kServoSecond);
   EXPECT_EQ(bench.session().state(), TiltState::kStopped);
-  EXPECT_NEAR(bench.angle_rad(), stopped_rad, kResolutionRad);
+  EXPECT_NEAR(bench.angle_rad(), stopped_rad, kStepRad);
   bench.command(TiltCommand::kSweep);
   EXPECT_GE(bench.run_until([&] { return std::abs(bench.angle_rad() - stopped_rad) > 0.2; }, kServoSecond), 0);
 }

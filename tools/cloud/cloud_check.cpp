@@ -1,11 +1,12 @@
 #include "tools/cloud/cloud_check.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
+
+#include "core/math/principal_axes.hpp"
 
 namespace odoless {
 namespace {
@@ -61,9 +62,8 @@ Plane fit_plane(const std::vector<CloudPoint>& points) {
     const Eigen::Vector3d off = Eigen::Vector3d(p.x_m, p.y_m, p.z_m) - mean;
     scatter += off * off.transpose() / static_cast<double>(points.size());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
-  return {axes.eigenvectors().col(0), std::sqrt(std::max(axes.eigenvalues()(0), 0.0)),
-          std::sqrt(std::max(axes.eigenvalues()(1), 0.0))};
+  const math::PrincipalAxes<3> extent = math::principal_axes<3>(scatter);
+  return {extent.axes.col(0), std::sqrt(std::max(extent.values(0), 0.0)), std::sqrt(std::max(extent.values(1), 0.0))};
 }
 
 void add_walls(std::span<const CloudPoint> points, std::vector<double>& leans_rad) {

@@ -22,8 +22,6 @@
 namespace odoless {
 namespace {
 
-using Verdict = Handedness::Verdict;
-
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr const char* kUpsideDown = "upside-down";
 
@@ -88,17 +86,17 @@ Handedness handedness_of(const MountJob& job, const ScanLog& log, std::size_t fi
 }
 
 /// What of the mount follows. How it hangs, the plane does not show; who has not looked is given the simplest.
-LaserMountParams mount_of(const MountJob& job, Verdict verdict, const LaserMountParams& configured) {
+LaserMountParams mount_of(const MountJob& job, Handedness::Verdict verdict, const LaserMountParams& configured) {
   LaserMountParams mount = configured;
-  const bool is_swapped = verdict == Verdict::kSwapped;
+  const bool is_swapped = verdict == Handedness::Verdict::kSwapped;
   mount.upside_down = job.hangs.empty() ? is_swapped : job.hangs == kUpsideDown;
   mount.mirrored = is_swapped != mount.upside_down;
   return mount;
 }
 
-std::string case_text(const MountJob& job, Verdict verdict) {
-  const bool is_swapped = verdict == Verdict::kSwapped;
-  if (verdict == Verdict::kUnknown) {
+std::string case_text(const MountJob& job, Handedness::Verdict verdict) {
+  const bool is_swapped = verdict == Handedness::Verdict::kSwapped;
+  if (verdict == Handedness::Verdict::kUnknown) {
     return "left and right: cannot be told";
   }
   if (job.hangs.empty()) {
@@ -159,7 +157,7 @@ void print(const MountJob& job, const Handedness& hand, const OwnSectors& own, c
     return;
   }
   fmt::print("{}\n{}\n{}\n", evidence_text(job, hand), case_text(job, hand.verdict), own_text(own));
-  if (hand.verdict != Verdict::kUnknown) {
+  if (hand.verdict != Handedness::Verdict::kUnknown) {
     fmt::print("\n[lrf.mount]\nupside_down = {}\nmirrored = {}\n", mount.upside_down, mount.mirrored);
     if (own.is_told) {
       fmt::print("ignore = {}\n", value_text(ignore));
@@ -179,7 +177,7 @@ void run_mount(const MountJob& job) {
   const Handedness hand = handedness_of(job, log, first, match(log, params.robot));
   const OwnSectors own = find_own_sectors(log, hand.matches, params.robot.scan);
   print(job, hand, own, mount_of(job, hand.verdict, params.robot.mount));
-  if (hand.verdict == Verdict::kUnknown) {
+  if (hand.verdict == Handedness::Verdict::kUnknown) {
     throw DataError(job.log, 0, "how the laser is mounted cannot be told", "turns of 30 deg or more that are known");
   }
 }

@@ -59,8 +59,8 @@ std::string line_of(const CtlArguments& arguments) {
   if (command.size() > ControlServer::kCommandMaxBytes || command.find('\n') != std::string::npos) {
     throw UsageError(fmt::format("a command is one line of at most {} bytes", ControlServer::kCommandMaxBytes));
   }
-  if ((arguments.json || arguments.watch) && command != "status") {
-    throw UsageError("--json and --watch go with the command status alone");
+  if ((arguments.json || arguments.watch) && command != "status" && command != "world") {
+    throw UsageError("--json and --watch go with the commands status and world alone");
   }
   return command + (arguments.json ? " json" : "");
 }
@@ -102,6 +102,22 @@ void follow_save(const std::string& socket) {
   fmt::print("saved in {}\n", save["folder"].get<std::string>());
 }
 
+/// Waits until the daemon does with its world what it was told.
+void follow_world(const std::string& socket, const std::string& mode) {
+  nlohmann::json world;
+  do {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    world = nlohmann::json::parse(ask(socket, "world json"));
+  } while (world["going_over"].get<bool>() && world["error"].get<std::string>().empty());
+  const std::string error = world["error"].get<std::string>();
+  if (!error.empty()) {
+    throw CannotCreateError("the world file cannot be written: " + error + "; it is tried again and again");
+  }
+  if (world["mode"] != mode) {
+    throw UserError(EX_DATAERR, "mapping does not go on: " + world["refused"].get<std::string>());
+  }
+}
+
 void run_ctl(const CtlArguments& arguments) {
   const std::string socket =
       arguments.socket.empty() ? socket_to_ask(load(arguments.config).control.socket) : arguments.socket;
@@ -109,6 +125,11 @@ void run_ctl(const CtlArguments& arguments) {
   if (command.starts_with("save")) {
     static_cast<void>(ask(socket, command));
     return follow_save(socket);
+  }
+  if (command == "localise" || command == "map") {
+    static_cast<void>(ask(socket, command));
+    follow_world(socket, command == "map" ? "continue" : command);
+    return fmt::print("{}", ask(socket, "world"));
   }
   const bool renews = arguments.watch && !arguments.json && ::isatty(STDOUT_FILENO) == 1;
   for (bool again = true; again; again = arguments.watch) {
@@ -136,14 +157,13 @@ void add_ctl(CLI::App& app) {
   CLI::App* const command = app.add_subcommand("ctl", "Ask or command the daemon that runs on this machine");
   command->add_option("--config", arguments->config, "The daemon's configuration, which names its socket");
   command->add_option("--socket", arguments->socket, "The socket itself");
-  command->add_flag("--json", arguments->json, "With status: one JSON object, on one line");
-  command->add_flag("--watch", arguments->watch, "With status: every second anew, until interrupted");
+  command->add_flag("--json", arguments->json, "With status and world: one JSON object, on one line");
+  command->add_flag("--watch", arguments->watch, "With status and world: every second anew, until interrupted");
   command->add_flag("--force", arguments->force, "With save PATH: replace results that are there");
   command
-      ->add_option(
-          "COMMAND", arguments->command,
-          "status, save [PATH], reset, pose X_M Y_M YAW_DEG, pause, resume, tilt level|sweep|stop, or stop; -- "
-          "before negative numbers")
+      ->add_option("COMMAND", arguments->command,
+                   "status, world, save [PATH], reset, pose X_M Y_M YAW_DEG, pause, resume, localise, map, "
+                   "tilt level|sweep|stop, or stop; -- before negative numbers")
       ->required();
   command->callback([arguments] { run_ctl(*arguments); });
 }

@@ -59,7 +59,7 @@ EmulatedLrfOptions device_options(const EmulateLrfOptions& options) {
   return device;
 }
 
-std::vector<std::string> model_names() {
+std::vector<std::string> lrf_names() {
   std::vector<std::string> names;
   for (const EmulatedLrfModel& model : emulated_lrf_models()) {
     names.push_back(model.name);
@@ -144,9 +144,7 @@ void add_line_options(CLI::App& command, EmulateLrfOptions& options, bool is_req
 
 void add_laser_options(CLI::App& command, EmulateLrfOptions& options) {
   command.add_option("--topic", options.topic, "Topic of the scans, where a log of messages has several");
-  command.add_option("--model", options.model, "Laser to be")
-      ->check(CLI::IsMember(model_names()))
-      ->capture_default_str();
+  command.add_option("--model", options.model, "Laser to be")->check(CLI::IsMember(lrf_names()))->capture_default_str();
   add_time_options(command, options);
   command.add_option("--noise-sd-m", options.noise_sd_m, "Standard deviation of a world's ranges [the model's]")
       ->check(CLI::Range(0.0, 10.0));

@@ -34,7 +34,7 @@ std::vector<Fault> servo_faults(const std::vector<std::string>& texts) {
   return faults;
 }
 
-std::string model_names() {
+std::string servo_names() {
   std::string names;
   for (const DynamixelModel& model : dynamixel_models()) {
     names += (names.empty() ? "" : " or ") + std::string(model.name);
@@ -83,7 +83,7 @@ std::unique_ptr<EmulatedServo> make_servo(const EmulateServoOptions& options) {
   }
   const DynamixelModel* const model = find_dynamixel_model(options.model);
   if (model == nullptr) {
-    throw UsageError(fmt::format("--model {}: no Dynamixel of that name; expected {}", options.model, model_names()));
+    throw UsageError(fmt::format("--model {}: no Dynamixel of that name; expected {}", options.model, servo_names()));
   }
   DynamixelDeviceOptions device;
   device.model = model->name;

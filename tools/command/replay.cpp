@@ -203,9 +203,7 @@ void keep_world(const LogJob& job, const RobotParams& params, ReplayOptions& opt
   options.on_graph = [file = std::move(file), session = SessionRecord{utc_text(), ODOLESS_VERSION, write_toml(params),
                                                                       static_cast<std::int64_t>(job.options.seed)}](
                          const SubmapGraph& graph, std::span<const StampedPose> odom) {
-    if (!graph.is_localising()) {
-      file->write(session, graph, odom);
-    }
+    file->write(session, graph, odom);
   };
 }
 

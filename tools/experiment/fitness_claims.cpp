@@ -19,7 +19,7 @@ std::string peaks_of(std::span<const double> fitness) {
                      100.0 * share_of_peaks(fitness), largest);
 }
 
-std::string gross_of(const MatchingSummary& s) { return fmt::format("{}: {} of {}", s.label, s.gross, s.pairs); }
+std::string gross_share_of(const MatchingSummary& s) { return fmt::format("{}: {} of {}", s.label, s.gross, s.pairs); }
 
 }  // namespace
 
@@ -46,13 +46,15 @@ Claim sparse_scans_match_poorly(std::span<const double> fitness) {
 
 Claim wide_cells_ease_convergence(const MatchingSummary& small, const MatchingSummary& wide) {
   return {"5.17", "cells of 4000 mm instead of 1000 mm, for every match, ease convergence",
-          "off by more than 0.2 m or 5 deg: " + gross_of(small) + "; " + gross_of(wide), wide.gross < small.gross};
+          "off by more than 0.2 m or 5 deg: " + gross_share_of(small) + "; " + gross_share_of(wide),
+          wide.gross < small.gross};
 }
 
 Claim second_try_needs_wide_cells(const MatchingSummary& no_try, const MatchingSummary& small,
                                   const MatchingSummary& wide) {
   return {"5.18", "scans far apart need cells of 4000 mm, for what matches poorly with 1000 mm",
-          "off by more than 0.2 m or 5 deg: " + gross_of(no_try) + "; " + gross_of(small) + "; " + gross_of(wide),
+          "off by more than 0.2 m or 5 deg: " + gross_share_of(no_try) + "; " + gross_share_of(small) + "; " +
+              gross_share_of(wide),
           wide.gross < small.gross && wide.gross < no_try.gross};
 }
 

@@ -89,7 +89,7 @@ RelationsResult relations_of(const Evidence& evidence, const RunOutput& output) 
 
 RunOutput output_of(const Evidence& evidence) { return evidence.output(evidence.runs().front().name); }
 
-Findings conclude_dwing(const Evidence& evidence) {
+Findings conclude_dwing_map(const Evidence& evidence) {
   constexpr double kRmsMaxM = 0.3;
   const RunOutput output = output_of(evidence);
   Findings findings = map_findings(output, "5.30");
@@ -129,13 +129,14 @@ std::vector<Experiment> recorded_mapping_experiments(Extent extent) {
   const auto mapping = [&](const char* name, Scene scene, const SeedCounts& counts) {
     return std::vector<Run>{recorded_mapping(name, std::move(scene), counts, extent)};
   };
-  return {{"dpslam-dwing", "5.30", "DP-SLAM on D-Wing", mapping("dwing-dpslam", dwing_scene(), kDWing), conclude_dwing},
-          {"dpslam-fr079", "5.31", "DP-SLAM on fr079 with C-Wing's particles",
-           mapping("fr079-dpslam", fr079_scene(), kCWing), conclude_fr079},
-          {"dpslam-aces", "5.32", "DP-SLAM on aces with Diiga's particles",
-           mapping("aces-dpslam", aces_scene(), kDiiga), conclude_aces},
-          {"dpslam-orebro", "5.33", "DP-SLAM on Orebro with Mine's particles",
-           mapping("orebro-dpslam", orebro_scene(), kMine), conclude_orebro}};
+  return {
+      {"dpslam-dwing", "5.30", "DP-SLAM on D-Wing", mapping("dwing-dpslam", dwing_scene(), kDWing), conclude_dwing_map},
+      {"dpslam-fr079", "5.31", "DP-SLAM on fr079 with C-Wing's particles",
+       mapping("fr079-dpslam", fr079_scene(), kCWing), conclude_fr079},
+      {"dpslam-aces", "5.32", "DP-SLAM on aces with Diiga's particles", mapping("aces-dpslam", aces_scene(), kDiiga),
+       conclude_aces},
+      {"dpslam-orebro", "5.33", "DP-SLAM on Orebro with Mine's particles",
+       mapping("orebro-dpslam", orebro_scene(), kMine), conclude_orebro}};
 }
 
 }  // namespace odoless

@@ -14,7 +14,7 @@ namespace odoless::campaign {
 namespace {
 
 constexpr double kStep_s = 0.05;
-constexpr std::uint64_t kStream = 41;
+constexpr std::uint64_t kDriveStream = 41;
 constexpr std::uint64_t kOtherWayStream = 44;
 constexpr double kRest_s = 1.0;  // at the start, as robots do
 constexpr double kRamp_s = 2.0;  // until full speed: no robot starts with it
@@ -58,7 +58,7 @@ Pose2 Drive::start_T_robot(double true_s) const {
 // Somewhere that the robot has seen, so that its map has it.
 void Drive::carry_away(const Scenario& scenario) {
   constexpr int kTries = 1000;
-  Rng chance(scenario.seed, kStream);
+  Rng chance(scenario.seed, kDriveStream);
   Rng other(scenario.seed, kOtherWayStream);  // rather than nowhere
   const Bounds& bounds = spec_of(scenario.fault.kind).severity;
   const Wanderer wanderer(world_);

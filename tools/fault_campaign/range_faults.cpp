@@ -11,7 +11,7 @@
 namespace odoless::campaign {
 namespace {
 
-constexpr std::uint64_t kStream = 43;
+constexpr std::uint64_t kRangeStream = 43;
 constexpr float kNothing_m = std::numeric_limits<float>::infinity();
 
 template <class Change>
@@ -131,7 +131,7 @@ void turn_over(const Fault& fault, ScanStream& stream) {
 
 void apply_to_ranges(const Scenario& scenario, ScanStream& stream) {
   const Fault& fault = scenario.fault;
-  Rng chance(scenario.seed, kStream);
+  Rng chance(scenario.seed, kRangeStream);
   switch (fault.kind) {
     case FaultKind::kStuck:
     case FaultKind::kStuckNoise:

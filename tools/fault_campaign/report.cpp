@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "tools/eval/report.hpp"
 #include "tools/eval/statistics.hpp"
 
 namespace odoless::campaign {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr double kPercent = 100.0;
 
 std::string figure_of(bool known, double value) { return known ? fmt::format("{:.1f}", value) : "-"; }
@@ -111,7 +110,7 @@ nlohmann::ordered_json json_of(const RunResult& run) {
           {"recovered_after_s", finite(verdict.recovered_after_s)},
           {"settled_after_s", finite(verdict.settled_after_s)},
           {"final_error_m", verdict.final_error_m},
-          {"final_error_deg", verdict.final_error_rad * kDegPerRad},
+          {"final_error_deg", to_deg(verdict.final_error_rad)},
           {"scans", verdict.all_scans()},
           {"lost_scans", verdict.scans.at(static_cast<std::size_t>(HealthState::kLost))}};
 }

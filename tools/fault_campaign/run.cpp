@@ -3,16 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
 #include "firmware/health/health_text.hpp"
 #include "rt/cpu_clock.hpp"
+#include "tools/eval/report.hpp"
 #include "tools/fault_campaign/confidence.hpp"
 
 namespace odoless::campaign {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 /// The method as users have it; the frame is none that chance of the simulation draws from.
 WatchedChain chain_of(const Scenario& scenario) {
@@ -96,11 +94,11 @@ void Run::write_trace(const Observation& seen, const char* event, const HealthRe
   std::ranges::replace(reasons, ',', ';');
   trace_->text += fmt::format("{:.3f},{},{},{},{:.3f},{:.3f},{:.2f},{:.3f},{},{},{},{:.3f},{:.3f},", seen.time_s, event,
                               odoless::name_of(seen.state), reasons, seen.confidence, seen.error_m,
-                              seen.error_rad * kDegPerRad, step.fit, name_of(step.tracking), step.updated ? 1 : 0,
+                              to_deg(seen.error_rad), step.fit, name_of(step.tracking), step.updated ? 1 : 0,
                               step.found ? 1 : 0, seen.time_s - last_true_s_, since_start_s(chain_.last().stamp_ns));
-  trace_->text += fmt::format("{:.3f},{:.3f},{:.2f},{:.3f},{:.3f},{:.2f}\n", step.map_T_scan.x_m, step.map_T_scan.y_m,
-                              step.map_T_scan.yaw_rad * kDegPerRad, map_T_true.x_m, map_T_true.y_m,
-                              map_T_true.yaw_rad * kDegPerRad);
+  trace_->text +=
+      fmt::format("{:.3f},{:.3f},{:.2f},{:.3f},{:.3f},{:.2f}\n", step.map_T_scan.x_m, step.map_T_scan.y_m,
+                  to_deg(step.map_T_scan.yaw_rad), map_T_true.x_m, map_T_true.y_m, to_deg(map_T_true.yaw_rad));
 }
 
 RunResult play(const Scenario& scenario, Trace* trace) {

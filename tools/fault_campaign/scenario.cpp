@@ -205,10 +205,10 @@ Scenario draw_scenario(std::uint64_t campaign_seed, int index) {
 }
 
 Scenario draw_scenario(std::uint64_t campaign_seed, int index, FaultKind kind) {
-  constexpr std::uint64_t kStream = 40;
+  constexpr std::uint64_t kScenarioStream = 40;
   Scenario scenario{.index = index};
   scenario.seed = campaign_seed * 1'000'003U + static_cast<std::uint64_t>(index);
-  Rng chance(scenario.seed, kStream);
+  Rng chance(scenario.seed, kScenarioStream);
   const FaultSpec& spec = spec_of(kind);
   scenario.fault.kind = kind;
   scenario.fault.variant = static_cast<int>(chance.below(2));

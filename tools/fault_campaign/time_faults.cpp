@@ -7,7 +7,7 @@
 namespace odoless::campaign {
 namespace {
 
-constexpr std::uint64_t kStream = 42;
+constexpr std::uint64_t kTimeStream = 42;
 constexpr std::int64_t kReadApart_ns = 2'000'000;  // scans that wait are read so soon one after the other
 
 std::int64_t ns(double time_s) { return static_cast<std::int64_t>(time_s * 1e9); }
@@ -116,7 +116,7 @@ void stand_still(const Fault& fault, ScanStream& stream) {
 
 void apply_to_times(const Scenario& scenario, ScanStream& stream) {
   const Fault& fault = scenario.fault;
-  Rng chance(scenario.seed, kStream);
+  Rng chance(scenario.seed, kTimeStream);
   switch (fault.kind) {
     case FaultKind::kSilence:
       return miss(fault, stream);

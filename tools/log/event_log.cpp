@@ -11,7 +11,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::uint32_t kMagic = 0xEDA1DA01;
+constexpr std::uint32_t kEventMagic = 0xEDA1DA01;
 constexpr std::int32_t kChannelBytesMax = 1000;
 
 std::uint64_t big_endian(std::span<const char> bytes) {
@@ -65,7 +65,7 @@ bool EventLog::find_message() {
     return false;
   }
   auto last_four = static_cast<std::uint32_t>(big_endian(first));
-  for (std::size_t skipped = 0; last_four != kMagic; ++skipped) {
+  for (std::size_t skipped = 0; last_four != kEventMagic; ++skipped) {
     if (skipped == kSkippedBytesMax) {
       fail(fmt::format("no message in {} bytes", kSkippedBytesMax));
     }
@@ -96,7 +96,7 @@ bool EventLog::next(LoggedMessage& message) {
       !read_many(message.data, static_cast<std::size_t>(data_bytes))) {
     return false;
   }
-  lost_bytes_ -= sizeof(kMagic) + header.size() + message.channel.size() + message.data.size();
+  lost_bytes_ -= sizeof(kEventMagic) + header.size() + message.channel.size() + message.data.size();
   return true;
 }
 

@@ -8,12 +8,12 @@
 namespace odoless {
 namespace {
 
-constexpr double kSecondsPerNanosecond = 1e-9;
+constexpr double kS_per_ns = 1e-9;
 constexpr const char* kKnownReferences =
     "a CARMEN log with FLASER or ROBOTLASER1, or lines `stamp x y yaw` or `stamp tx ty tz qx qy qz qw`";
 
 double stamp_s(const Fields& fields, std::size_t index) {
-  return static_cast<double>(fields.stamp_ns(index)) * kSecondsPerNanosecond;
+  return static_cast<double>(fields.stamp_ns(index)) * kS_per_ns;
 }
 
 using LayOut = CarmenLine (*)(const Fields&);
@@ -47,7 +47,7 @@ class LogPoses {
   [[nodiscard]] ReferencePoses finish() const {
     ReferencePoses result{.is_log = true, .has_stamps = stamps_are_usable(stamps_ns_), .poses = {}};
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      const double seconds = static_cast<double>(stamps_ns_[i]) * kSecondsPerNanosecond;
+      const double seconds = static_cast<double>(stamps_ns_[i]) * kS_per_ns;
       result.poses.push_back({result.has_stamps ? seconds : 0.0, poses_[i]});
     }
     return result;

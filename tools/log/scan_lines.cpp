@@ -91,7 +91,7 @@ LineScan parse_csv(const Fields& fields) {
 
 bool skip_any(std::string_view) { return true; }
 
-constexpr std::array<ScanFormat, 4> kFormats{{
+constexpr std::array<ScanFormat, 4> kScanFormats{{
     {"CARMEN FLASER", ' ', [](std::string_view line) { return is_message(line, "FLASER"); }, skip_any, parse_flaser},
     {"CARMEN ROBOTLASER1", ' ', [](std::string_view line) { return is_message(line, "ROBOTLASER1"); }, skip_any,
      parse_robotlaser},
@@ -103,9 +103,9 @@ constexpr std::array<ScanFormat, 4> kFormats{{
 }  // namespace
 
 const ScanFormat* find_scan_format(std::string_view line) {
-  const auto* const found =
-      std::find_if(kFormats.begin(), kFormats.end(), [&](const ScanFormat& format) { return format.is_scan(line); });
-  return found == kFormats.end() ? nullptr : found;
+  const auto* const found = std::find_if(kScanFormats.begin(), kScanFormats.end(),
+                                         [&](const ScanFormat& format) { return format.is_scan(line); });
+  return found == kScanFormats.end() ? nullptr : found;
 }
 
 }  // namespace odoless

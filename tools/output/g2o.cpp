@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <iterator>
 #include <unordered_map>
 #include <vector>
 
+#include "core/math/principal_axes.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/fields.hpp"
 #include "tools/log/line_reader.hpp"
@@ -74,8 +74,7 @@ class G2oReader {
         information(row, column) = information(column, row) = fields.number(field++, "information");
       }
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(information, Eigen::EigenvaluesOnly);
-    if (edge.from == edge.to || !(axes.eigenvalues()(0) > 0.0)) {
+    if (edge.from == edge.to || !(math::principal_axes<3>(information).values(0) > 0.0)) {
       fields.fail("an edge from a vertex to itself, or an information matrix that is not positive definite",
                   "an edge between two vertices with a positive definite information matrix");
     }

@@ -13,22 +13,22 @@ namespace {
 
 constexpr int kOccupiedPercentMin = 65;
 constexpr int kFreePercentMax = 25;
-constexpr char kOccupiedGrey = 0;
-constexpr char kFreeGrey = static_cast<char>(254);
-constexpr char kUnknownGrey = static_cast<char>(205);
+constexpr char kOccupiedByte = 0;
+constexpr char kFreeByte = static_cast<char>(254);
+constexpr char kUnknownByte = static_cast<char>(205);
 
 char grey_of(std::int8_t percent) {
   if (percent >= kOccupiedPercentMin) {
-    return kOccupiedGrey;
+    return kOccupiedByte;
   }
-  return percent >= 0 && percent <= kFreePercentMax ? kFreeGrey : kUnknownGrey;
+  return percent >= 0 && percent <= kFreePercentMax ? kFreeByte : kUnknownByte;
 }
 
 std::int8_t percent_of(char grey) {
-  if (grey == kOccupiedGrey) {
+  if (grey == kOccupiedByte) {
     return 100;
   }
-  return grey == kFreeGrey ? std::int8_t{0} : OccupancyMap::kUnknown;
+  return grey == kFreeByte ? std::int8_t{0} : OccupancyMap::kUnknown;
 }
 
 /// Fills the cells from the picture's bytes; false where these are no picture of ours.

@@ -12,7 +12,7 @@
 namespace odoless {
 namespace {
 
-constexpr const char* kHeader =
+constexpr const char* kColumnNames =
     "reference_index,index,reference_stamp_s,stamp_s,dx_m,dy_m,dyaw_rad,fitness,evaluations,time_us,converged";
 
 int whole(const Fields& fields, std::size_t index, const char* what) {
@@ -22,7 +22,7 @@ int whole(const Fields& fields, std::size_t index, const char* what) {
 MatchRow parse_row(const Fields& fields) {
   constexpr std::size_t kColumns = 11;
   if (fields.size() != kColumns) {
-    fields.fail(fmt::format("the line has {} columns", fields.size()), fmt::format("{}: {}", kColumns, kHeader));
+    fields.fail(fmt::format("the line has {} columns", fields.size()), fmt::format("{}: {}", kColumns, kColumnNames));
   }
   return {.reference_index = whole(fields, 0, "reference_index"),
           .index = whole(fields, 1, "index"),
@@ -38,7 +38,7 @@ MatchRow parse_row(const Fields& fields) {
 }  // namespace
 
 std::string format_matches(std::span<const MatchRow> rows) {
-  std::string text = fmt::format("{}\n", kHeader);
+  std::string text = fmt::format("{}\n", kColumnNames);
   for (const MatchRow& row : rows) {
     const Pose2& motion = row.reference_T_scan;
     fmt::format_to(std::back_inserter(text), "{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{},{:.1f},{:d}\n",
@@ -55,8 +55,8 @@ void write_matches(const std::filesystem::path& path, std::span<const MatchRow> 
 std::vector<MatchRow> read_matches(const std::filesystem::path& path) {
   LineReader lines(open_bytes(path), path.string());
   std::string_view line;
-  if (!lines.next(line) || line != kHeader) {
-    throw DataError(lines.name(), 1, "this is no file of matches", kHeader);
+  if (!lines.next(line) || line != kColumnNames) {
+    throw DataError(lines.name(), 1, "this is no file of matches", kColumnNames);
   }
   std::vector<MatchRow> rows;
   Fields fields;

@@ -21,20 +21,20 @@ constexpr std::string_view kPacking = "zstd";
 constexpr int kZstdLevel = 3;
 
 /// What a record holds, field by field.
-class Fields {
+class McapFields {
  public:
   template <class Number>
-  Fields& number(Number value) {
+  McapFields& number(Number value) {
     static_assert(std::is_integral_v<Number> && std::endian::native == std::endian::little);
     bytes_.append(reinterpret_cast<const char*>(&value), sizeof(value));
     return *this;
   }
   /// With their number before them, as a text or a list has it.
   template <class Count = std::uint32_t>
-  Fields& counted(std::string_view bytes) {
+  McapFields& counted(std::string_view bytes) {
     return number(static_cast<Count>(bytes.size())).plain(bytes);
   }
-  Fields& plain(std::string_view bytes) {
+  McapFields& plain(std::string_view bytes) {
     bytes_ += bytes;
     return *this;
   }
@@ -44,8 +44,8 @@ class Fields {
   std::string bytes_;
 };
 
-std::string record(Op op, const Fields& fields) {
-  return Fields().number(static_cast<std::uint8_t>(op)).counted<std::uint64_t>(fields.bytes()).bytes();
+std::string record(Op op, const McapFields& fields) {
+  return McapFields().number(static_cast<std::uint8_t>(op)).counted<std::uint64_t>(fields.bytes()).bytes();
 }
 
 std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before = 0) {
@@ -74,7 +74,7 @@ std::array<std::uint64_t, 2> McapWriter::Span::ends() const { return {std::min(f
 
 McapWriter::McapWriter(std::filesystem::path path) : file_(std::move(path)) {
   append(kMagic);
-  append(record(kHeader, Fields().counted("ros2").counted("odoless")));
+  append(record(kHeader, McapFields().counted("ros2").counted("odoless")));
 }
 
 std::uint16_t McapWriter::add_channel(std::string_view topic, std::string_view type, std::string_view definition) {
@@ -82,9 +82,9 @@ std::uint16_t McapWriter::add_channel(std::string_view topic, std::string_view t
   const auto schema = static_cast<std::uint16_t>(channel + 1);  // 0 is none
   messages_.push_back(0);
   const std::string of_type =
-      record(kSchema, Fields().number(schema).counted(type).counted("ros2msg").counted(definition));
+      record(kSchema, McapFields().number(schema).counted(type).counted("ros2msg").counted(definition));
   const std::string of_topic =
-      record(kChannel, Fields().number(channel).number(schema).counted(topic).counted("cdr").counted(""));
+      record(kChannel, McapFields().number(channel).number(schema).counted(topic).counted("cdr").counted(""));
   schemas_ += of_type;
   channels_ += of_topic;
   chunk_ += of_type + of_topic;
@@ -95,7 +95,7 @@ void McapWriter::write(std::uint16_t channel, std::int64_t stamp_ns, std::string
   const auto time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(stamp_ns, 0));
   std::uint64_t& count = messages_.at(channel);
   chunk_index_[channel].emplace_back(time_ns, chunk_.size());
-  chunk_ += record(kMessage, Fields()
+  chunk_ += record(kMessage, McapFields()
                                  .number(channel)
                                  .number(static_cast<std::uint32_t>(count++))
                                  .number(time_ns)
@@ -121,7 +121,7 @@ void McapWriter::finish_chunk() {
   const std::string inside = packed(chunk_);
   const auto [first_ns, last_ns] = chunk_span_.ends();
   const std::uint64_t begin = position_;
-  append(record(kChunk, Fields()
+  append(record(kChunk, McapFields()
                             .number(first_ns)
                             .number(last_ns)
                             .number(std::uint64_t{chunk_.size()})
@@ -129,16 +129,16 @@ void McapWriter::finish_chunk() {
                             .counted(kPacking)
                             .counted<std::uint64_t>(inside)));
   const std::uint64_t end = position_;
-  Fields places;
+  McapFields places;
   for (const auto& [channel, messages] : chunk_index_) {
-    Fields list;
+    McapFields list;
     for (const auto& [stamp_ns, place] : messages) {
       list.number(stamp_ns).number(place);
     }
     places.number(channel).number(position_);
-    append(record(kMessageIndex, Fields().number(channel).counted(list.bytes())));
+    append(record(kMessageIndex, McapFields().number(channel).counted(list.bytes())));
   }
-  chunk_indexes_ += record(kChunkIndex, Fields()
+  chunk_indexes_ += record(kChunkIndex, McapFields()
                                             .number(first_ns)
                                             .number(last_ns)
                                             .number(begin)
@@ -155,14 +155,14 @@ void McapWriter::finish_chunk() {
 }
 
 std::string McapWriter::statistics() const {
-  Fields counts;
+  McapFields counts;
   std::uint64_t messages = 0;
   for (std::size_t channel = 0; channel < messages_.size(); ++channel) {
     messages += messages_[channel];
     counts.number(static_cast<std::uint16_t>(channel)).number(messages_[channel]);
   }
   const auto [first_ns, last_ns] = span_.ends();
-  return record(kStatistics, Fields()
+  return record(kStatistics, McapFields()
                                  .number(messages)
                                  .number(static_cast<std::uint16_t>(messages_.size()))
                                  .number(static_cast<std::uint32_t>(messages_.size()))
@@ -181,7 +181,7 @@ std::string McapWriter::summary() const {
   std::string offsets;
   const auto add = [&](Op op, const std::string& group) {
     if (!group.empty()) {
-      offsets += record(kSummaryOffset, Fields()
+      offsets += record(kSummaryOffset, McapFields()
                                             .number(static_cast<std::uint8_t>(op))
                                             .number(begin + text.size())
                                             .number(std::uint64_t{group.size()}));
@@ -195,7 +195,7 @@ std::string McapWriter::summary() const {
   const std::uint64_t offsets_begin = begin + text.size();
   text += offsets;
   constexpr std::uint64_t kFooter_bytes = 20;
-  return text + Fields()
+  return text + McapFields()
                     .number(static_cast<std::uint8_t>(kFooter))
                     .number(kFooter_bytes)
                     .number(begin)
@@ -205,10 +205,10 @@ std::string McapWriter::summary() const {
 
 void McapWriter::finish() {
   finish_chunk();
-  append(record(kDataEnd, Fields().number(crc32_)));
+  append(record(kDataEnd, McapFields().number(crc32_)));
   const std::string end = summary();
   append(end);
-  append(Fields().number(crc32_of(end)).bytes());
+  append(McapFields().number(crc32_of(end)).bytes());
   append(kMagic);
   file_.finish();
 }

@@ -40,14 +40,15 @@ class UnfinishedWorld {
   std::filesystem::path folder_;
 };
 
-/// The configuration's pools, or larger ones where both worlds need them.
+/// The configuration's pools, or larger ones where both worlds need them, and the world is then not full.
 GraphParams with_room(GraphParams params, const StoredWorld& into, const StoredWorld& from) {
+  const auto larger = [](int most, int needed) { return std::max(most, needed + needed / 3 + 2); };
   const auto submaps = static_cast<int>(from.submaps.size());
   const auto constraints = static_cast<int>(into.graph.constraints().size());
-  params.keyframes_max = std::max(params.keyframes_max, into.store.size() + from.store.size());
+  params.keyframes_max = larger(params.keyframes_max, into.store.size() + from.store.size());
   params.keyframe_beams_max = std::max({params.keyframe_beams_max, into.store.most_beams(), from.store.most_beams()});
-  params.submaps_max = std::max(params.submaps_max, into.graph.size() + 2 * submaps + 1);
-  params.constraints_max = std::max(params.constraints_max, constraints + (params.candidates + 2) * (2 * submaps + 1));
+  params.submaps_max = larger(params.submaps_max, into.graph.size() + 2 * submaps + 1);
+  params.constraints_max = larger(params.constraints_max, constraints + (params.candidates + 2) * (2 * submaps + 1));
   return params;
 }
 

@@ -33,12 +33,15 @@ WorldOutput::WorldOutput(std::filesystem::path path, const std::string& program,
 void WorldOutput::write(const SessionRecord& session, const SubmapGraph& graph, std::span<const StampedPose> odom) {
   WorldPlace place;
   WorldMirror mirror = world_.mirror();
+  if (graph.is_localising() && graph.mapped_keyframes() == mirror.keyframes()) {
+    return file_.close();
+  }
   FileFailure failed = file_.begin(session, place);
   place = {.session = place.session};
   WorldChanges changes;
   changes.odometry.assign(odom.begin(), odom.end());
   for (bool has_more = true; has_more && !failed.any();) {
-    has_more = mirror.collect(graph.world(), changes);
+    has_more = mirror.collect(graph, changes);
     failed = file_.write(place, changes);
     mirror.take(changes);
     changes = {};

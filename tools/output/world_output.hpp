@@ -23,7 +23,7 @@ class WorldOutput {
   /// What the file has; null: nothing yet.
   [[nodiscard]] const StoredWorld* world() const { return world_.stored(); }
 
-  /// @param odom  odom_T_scan of all scans. @throws IoError.
+  /// What the run has mapped, if it has. @param odom  odom_T_scan of all scans. @throws IoError.
   void write(const SessionRecord& session, const SubmapGraph& graph, std::span<const StampedPose> odom);
 
  private:

@@ -24,23 +24,6 @@ constexpr std::int64_t kNsPerUs = 1000;
 constexpr std::int64_t kHealthEvery_ns = 1'000'000'000;
 constexpr double kPathStep_m = 0.1;
 
-/// A topic's channel, its message, and the memory of both.
-template <class Message>
-class Topic {
- public:
-  Topic(McapWriter& file, const char* name)
-      : file_(file), channel_(file.add_channel(name, ros::type_name<Message>(), ros::Definition::of<Message>())) {}
-
-  Message message{};
-
-  void write(std::int64_t stamp_ns) { file_.write(channel_, stamp_ns, encoder_.encode(message)); }
-
- private:
-  McapWriter& file_;
-  std::uint16_t channel_;
-  ros::CdrWriter encoder_;
-};
-
 ros::Frames frames() {
   ros::Frames names;
   names.base = names.laser;  // a replay knows no base
@@ -53,29 +36,46 @@ void roll_over(ros::Quaternion& rotation) {
   std::swap(rotation.z, rotation.y);
 }
 
-/// Says when what grows with time is written again: the next time after a quarter of the time since the beginning, so
-/// that all of them together are no more than some times the last.
-class GrowingPeriod {
- public:
-  [[nodiscard]] bool is_due(std::int64_t stamp_ns) {
-    first_ns_ = first_ns_ ? *first_ns_ : stamp_ns;
-    if (stamp_ns < next_ns_) {
-      return false;
-    }
-    constexpr std::int64_t kLeast_ns = 2'000'000'000;
-    constexpr std::int64_t kShare = 4;
-    next_ns_ = stamp_ns + std::max(kLeast_ns, (stamp_ns - *first_ns_) / kShare);
-    return true;
-  }
-
- private:
-  std::optional<std::int64_t> first_ns_;
-  std::int64_t next_ns_ = std::numeric_limits<std::int64_t>::min();
-};
-
 }  // namespace
 
 struct ReplayMcap::Parts {
+  /// A topic's channel, its message, and the memory of both.
+  template <class Message>
+  class Topic {
+   public:
+    Topic(McapWriter& file, const char* name)
+        : file_(file), channel_(file.add_channel(name, ros::type_name<Message>(), ros::Definition::of<Message>())) {}
+
+    Message message{};
+
+    void write(std::int64_t stamp_ns) { file_.write(channel_, stamp_ns, encoder_.encode(message)); }
+
+   private:
+    McapWriter& file_;
+    std::uint16_t channel_;
+    ros::CdrWriter encoder_;
+  };
+
+  /// Says when what grows with time is written again: the next time after a quarter of the time since the beginning, so
+  /// that all of them together are no more than some times the last.
+  class GrowingPeriod {
+   public:
+    [[nodiscard]] bool is_due(std::int64_t stamp_ns) {
+      first_ns_ = first_ns_ ? *first_ns_ : stamp_ns;
+      if (stamp_ns < next_ns_) {
+        return false;
+      }
+      constexpr std::int64_t kLeast_ns = 2'000'000'000;
+      constexpr std::int64_t kShare = 4;
+      next_ns_ = stamp_ns + std::max(kLeast_ns, (stamp_ns - *first_ns_) / kShare);
+      return true;
+    }
+
+   private:
+    std::optional<std::int64_t> first_ns_;
+    std::int64_t next_ns_ = std::numeric_limits<std::int64_t>::min();
+  };
+
   explicit Parts(const std::filesystem::path& name) : file(name) {}
 
   void take(const ChainStep& step, const RawScan& raw, StageChain& chain) {

@@ -11,15 +11,15 @@
 namespace odoless {
 namespace {
 
-constexpr int kBeams = 1081;
+constexpr int kMapperBeams = 1081;
 
-CloudParams small_params() { return {.voxel_m = 0.1, .points_max = 50'000, .keys_max = 8, .key_voxels_max = 20'000}; }
+CloudParams small_mapper() { return {.voxel_m = 0.1, .points_max = 50'000, .keys_max = 8, .key_voxels_max = 20'000}; }
 
 // Whatever odometry says of the way, a point is where the newest key and the motion since put it.
 TEST(CloudMapper, BeginsAKeyAfterSomeTravelAndHangsPointsOnIt) {
-  CloudMapper mapper(small_params(), TiltMount(TiltMountParams{}), kBeams);
-  const ScanFrame scan = test::scan_of(std::vector<float>(kBeams, 3.0F));
-  const std::vector<double> tilts_rad(kBeams, 0.1);
+  CloudMapper mapper(small_mapper(), TiltMount(TiltMountParams{}), kMapperBeams);
+  const ScanFrame scan = test::scan_of(std::vector<float>(kMapperBeams, 3.0F));
+  const std::vector<double> tilts_rad(kMapperBeams, 0.1);
   const Pose2 map_T_odom{10.0, 0.0, 0.5};
   for (const double x_m : {0.0, 1.0, 1.9, 2.1, 3.0}) {
     mapper.add(scan, tilts_rad, {{x_m, 0.0, 0.0}, {x_m, 0.0, 0.0}}, map_T_odom);
@@ -36,12 +36,12 @@ TEST(CloudMapper, BeginsAKeyAfterSomeTravelAndHangsPointsOnIt) {
 }
 
 TEST(CloudMapper, LeavesOutWhatIsTooFar) {
-  CloudParams params = small_params();
+  CloudParams params = small_mapper();
   params.range_max_m = 5.0;
-  CloudMapper mapper(params, TiltMount(TiltMountParams{}), kBeams);
-  std::vector<float> ranges_m(kBeams, 5.1F);
+  CloudMapper mapper(params, TiltMount(TiltMountParams{}), kMapperBeams);
+  std::vector<float> ranges_m(kMapperBeams, 5.1F);
   ranges_m[7] = 4.9F;
-  mapper.add(test::scan_of(ranges_m), std::vector<double>(kBeams, 0.0), {}, {});
+  mapper.add(test::scan_of(ranges_m), std::vector<double>(kMapperBeams, 0.0), {}, {});
   EXPECT_EQ(mapper.cloud().size(), 1U);
 }
 
@@ -51,10 +51,10 @@ TEST(CloudMapper, AllocatesNothingAfterConstruction) {
     GTEST_SKIP() << "the sanitizer owns the heap functions";
   }
   Rng rng(4);
-  CloudMapper mapper(small_params(), TiltMount(test::random_mount(rng)), kBeams);
-  LevelScan level(mapper.mount(), {}, kBeams);
-  const ScanFrame scan = test::scan_of(test::random_ranges_m(rng, kBeams));
-  const std::vector<double> tilts_rad(kBeams, 0.1);
+  CloudMapper mapper(small_mapper(), TiltMount(test::random_mount(rng)), kMapperBeams);
+  LevelScan level(mapper.mount(), {}, kMapperBeams);
+  const ScanFrame scan = test::scan_of(test::random_ranges_m(rng, kMapperBeams));
+  const std::vector<double> tilts_rad(kMapperBeams, 0.1);
   const AllocationGuard guard;
   for (int i = 0; i < 200; ++i) {
     const Pose2 first{0.1 * i, 0.05 * i, 0.02 * i};

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/support/times.hpp"
+
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 constexpr double kTurn_radps = 0.7;
 
 /// Stands until `from_s`, then turns on the spot.

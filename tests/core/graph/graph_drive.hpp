@@ -61,12 +61,23 @@ class Feed {
     gate_.accept();
     bool is_at_work = graph.add(keyframe, codes);
     while (is_at_work) {
+      const Pose2 before = graph.map_T_odom() * motion.odom_T_current;
       is_at_work = graph.work();
+      if (const auto said = graph.take_correction()) {
+        corrections.push_back({*said, before, graph.map_T_odom() * motion.odom_T_current});
+      }
     }
   }
 
   Pose2 local_T_odom{};    ///< as a particle filter would have it
   double unknown_s = 0.0;  ///< with the next motion, as it would say
+
+  struct Correction {
+    MapCorrection said;
+    Pose2 before;  ///< where the graph had the robot
+    Pose2 after;
+  };
+  std::vector<Correction> corrections;
 
  private:
   KeyframeGate gate_;
@@ -75,8 +86,8 @@ class Feed {
 /// A robot that follows corners, and an odometry that errs the same way all the time.
 class Drive {
  public:
-  explicit Drive(SimulatedScene scene, const Pose2& drift_per_m)
-      : scene_(std::move(scene)), drift_per_m_(drift_per_m) {}
+  explicit Drive(SimulatedScene scene, const Pose2& drift_per_m, const GraphParams& params = {})
+      : graph(params, RobotLimits{}, ScanParams{}, 1), scene_(std::move(scene)), drift_per_m_(drift_per_m) {}
 
   void drive(const std::vector<Point2>& corners) {
     constexpr double kStep_m = 0.25;
@@ -115,7 +126,7 @@ class Drive {
     return worst_m;
   }
 
-  SubmapGraph graph{GraphParams{}, RobotLimits{}, ScanParams{}, 1};
+  SubmapGraph graph;
   Feed feed{GraphParams{}};
   std::vector<Pose2> poses;         ///< true
   std::vector<StampedPose> odom;    ///< odom_T_scan

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "tests/core/graph/graph_drive.hpp"
@@ -59,6 +60,12 @@ TEST(Localiser, IsSureAfterAWhileAndHasAllOfThePathWhereTheRobotWas) {
   run.drive({{-10.5, 2.0}, {-10.5, -6.5}, {10.5, -6.5}, {10.5, 2.0}});
   ASSERT_TRUE(run.graph.is_joined());
   EXPECT_LT(run.error_m(), 0.15);
+  const auto& corrections = run.feed.corrections;
+  const auto is_found = [](const Feed::Correction& each) { return each.said.cause == CorrectionCause::kFound; };
+  ASSERT_EQ(std::ranges::count_if(corrections, is_found), 1);
+  const auto& [found, before, after] = *std::ranges::find_if(corrections, is_found);
+  EXPECT_LT(found.reference, mapped().graph.graph().size());
+  EXPECT_NEAR(std::hypot(found.moved.x_m, found.moved.y_m), after.distance_m(before), 1e-9);
   run.graph.finish();
   const std::vector<StampedPose> path = run.graph.corrected(run.odom);
   for (std::size_t i = 0; i < path.size(); ++i) {

@@ -24,9 +24,9 @@ Motion step(const Pose2& odom_T_previous, const Pose2& previous_T_current, doubl
 }
 
 /// Drives a builder and keeps what it gives.
-class Drive {
+class BuilderDrive {
  public:
-  explicit Drive(const GraphParams& params = {}) : gate_(params), builder_(params), scan_(ScanParams{}) {
+  explicit BuilderDrive(const GraphParams& params = {}) : gate_(params), builder_(params), scan_(ScanParams{}) {
     const std::vector<float> ranges_m(32, 3.0F);
     EXPECT_EQ(scan_.assign({.start_angle_rad = -1.5, .angle_step_rad = 0.1, .ranges_m = ranges_m}), Errc::kOk);
   }
@@ -66,7 +66,7 @@ class Drive {
 };
 
 TEST(SubmapBuilder, CutsAfterItsTravelWithKeyframesEverySoFar) {
-  Drive drive;
+  BuilderDrive drive;
   drive.go(301, {0.1, 0.0, 0.0});
   ASSERT_GE(drive.submaps.size(), 5U);
   for (const Submap& submap : drive.submaps) {
@@ -76,7 +76,7 @@ TEST(SubmapBuilder, CutsAfterItsTravelWithKeyframesEverySoFar) {
 }
 
 TEST(SubmapBuilder, OdometryLeadsFromOriginToOrigin) {
-  Drive drive;
+  BuilderDrive drive;
   drive.go(400, {0.08, 0.01, 0.02});
   ASSERT_GE(drive.submaps.size(), 4U);
   for (std::size_t i = 1; i < drive.submaps.size(); ++i) {
@@ -87,7 +87,7 @@ TEST(SubmapBuilder, OdometryLeadsFromOriginToOrigin) {
 }
 
 TEST(SubmapBuilder, KeyframesLieWhereTheirScansWere) {
-  Drive drive;
+  BuilderDrive drive;
   drive.go(200, {0.1, 0.0, 0.01});
   for (const Submap& submap : drive.submaps) {
     const int middle = submap.first_keyframe + submap.keyframes / 2;
@@ -101,7 +101,7 @@ TEST(SubmapBuilder, KeyframesLieWhereTheirScansWere) {
 }
 
 TEST(SubmapBuilder, CutsBeforeAMotionThatIsNotCredibleAndBelievesItLittle) {
-  Drive drive;
+  BuilderDrive drive;
   drive.go(20, {0.1, 0.0, 0.0});
   drive.go(1, {0.1, 0.0, 0.0}, 0.005, 0.005, 0.3);
   ASSERT_EQ(drive.submaps.size(), 1U);
@@ -114,7 +114,7 @@ TEST(SubmapBuilder, CutsBeforeAMotionThatIsNotCredibleAndBelievesItLittle) {
 }
 
 TEST(SubmapBuilder, CutsAlsoWhereTheFilterHoldsThatTrackingBrokeOff) {
-  Drive drive;
+  BuilderDrive drive;
   drive.go(20, {0.1, 0.0, 0.0});
   drive.unknown_s = 5.0;
   drive.go(1, {});
@@ -126,9 +126,9 @@ TEST(SubmapBuilder, CutsAlsoWhereTheFilterHoldsThatTrackingBrokeOff) {
 }
 
 TEST(SubmapBuilder, CutsSoonerWhereTheOdometrySlips) {
-  Drive drive;
+  BuilderDrive drive;
   drive.go(60, {0.1, 0.0, 0.0}, 0.2, 0.005);
-  Drive steady;
+  BuilderDrive steady;
   steady.go(60, {0.1, 0.0, 0.0});
   EXPECT_GE(drive.submaps.size(), 4U);
   EXPECT_LE(steady.submaps.size(), 1U);

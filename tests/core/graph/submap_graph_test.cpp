@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <optional>
 #include <vector>
@@ -42,6 +44,33 @@ TEST(SubmapGraph, ClosesALoopThatTheOdometryLeavesOpen) {
   // and the newest pose is right at the time: that is what map_T_odom is for
   const Pose2 online = run.graph.map_T_odom() * run.odom.back().map_T_scan;
   EXPECT_LT(online.distance_m(run.poses.front().inverse() * run.poses.back()), 0.3);
+}
+
+TEST(SubmapGraph, TellsWhyAndHowFarItMovesTheRobot) {
+  Drive run(ring(18.0, 10.0), {0.01, 0.0, 0.0006});
+  run.drive({kRound[0], kRound[1], kRound[2], kRound[3]});
+  EXPECT_TRUE(run.feed.corrections.empty()) << "without a loop closure";
+  run.drive({kRound[3], kRound[0]});
+  run.drive(kRound);
+  std::int64_t loop_closures = 0;
+  double farthest_m = 0.0;
+  for (const auto& [said, before, after] : run.feed.corrections) {
+    EXPECT_EQ(said.cause, CorrectionCause::kLoop);
+    EXPECT_TRUE(std::ranges::any_of(run.graph.graph().constraints(),
+                                    [&said = said](const Constraint& each) {
+                                      return each.is_loop && each.from == said.reference && each.to == said.query &&
+                                             each.weight > 0.0;
+                                    }))
+        << said.reference << ", " << said.query;
+    EXPECT_NEAR(said.moved.x_m, after.x_m - before.x_m, 1e-9);
+    EXPECT_NEAR(said.moved.y_m, after.y_m - before.y_m, 1e-9);
+    EXPECT_NEAR(wrap_angle(said.moved.yaw_rad - (after.yaw_rad - before.yaw_rad)), 0.0, 1e-9);
+    loop_closures += said.loop_closures;
+    farthest_m = std::max(farthest_m, after.distance_m(before));
+  }
+  EXPECT_GT(loop_closures, 0);
+  EXPECT_EQ(loop_closures, run.graph.counts().accepted - run.graph.counts().taken_out);
+  EXPECT_GT(farthest_m, 0.4) << "when the loop is closed";
 }
 
 /// Three sides of the ring: no loop is closed.

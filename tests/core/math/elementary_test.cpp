@@ -30,13 +30,13 @@ double error_ulp(double value, long double reference) {
   return std::abs(static_cast<double>((static_cast<long double>(value) - reference) / unit));
 }
 
-struct Range {
+struct Between {
   double low;
   double high;
 };
 
 // Evenly spread numbers, and as many whose logarithm is, of both signs where the range has both.
-std::vector<double> arguments(const Range& range) {
+std::vector<double> arguments(const Between& range) {
   Rng rng(1);
   std::vector<double> out;
   const double largest = std::max(std::abs(range.low), std::abs(range.high));
@@ -89,7 +89,7 @@ void expect_same(double value, double expected) {
       __VA_ARGS__, [](double x) { return math::function(x); }, [](long double x) { return std::function(x); })
 
 TEST(Elementary, SineAndCosineAreWithinTheirErrorUpTo4000Turns) {
-  for (const Range& range : {Range{-0.8, 0.8}, Range{-7.0, 7.0}, Range{-25000.0, 25000.0}}) {
+  for (const Between& range : {Between{-0.8, 0.8}, Between{-7.0, 7.0}, Between{-25000.0, 25000.0}}) {
     const std::vector<double> some = arguments(range);
     EXPECT_LE(WORST_ULP(sin, some), 0.9);
     EXPECT_LE(WORST_ULP(cos, some), 0.9);
@@ -160,7 +160,7 @@ TEST(Elementary, ArctangentOfSpecialNumbersIsTheLibrarys) {
 }
 
 TEST(Elementary, ExponentialIsWithinItsError) {
-  for (const Range& range : {Range{-1.0, 1.0}, Range{-30.0, 30.0}, Range{-708.0, 709.7}}) {
+  for (const Between& range : {Between{-1.0, 1.0}, Between{-30.0, 30.0}, Between{-708.0, 709.7}}) {
     EXPECT_LE(WORST_ULP(exp, arguments(range)), 0.6);
     EXPECT_LE(WORST_ULP(expm1, arguments(range)), 2.5);
   }
@@ -184,15 +184,15 @@ TEST(Elementary, ExponentialOfSpecialNumbers) {
 }
 
 TEST(Elementary, LogarithmIsWithinItsError) {
-  for (const Range& range :
-       {Range{1e-300, 1.0}, Range{0.6, 1.6}, Range{0.99, 1.01}, Range{1e-9, 1e9}, Range{1.0, 1e300}}) {
+  for (const Between& range :
+       {Between{1e-300, 1.0}, Between{0.6, 1.6}, Between{0.99, 1.01}, Between{1e-9, 1e9}, Between{1.0, 1e300}}) {
     EXPECT_LE(WORST_ULP(log, arguments(range)), 0.6);
   }
   EXPECT_LE(WORST_ULP(log, arguments({5e-324, 1e-308})), 0.6);
   std::vector<double> near_one = arguments({-0.01, 0.01});
   std::transform(near_one.begin(), near_one.end(), near_one.begin(), [](double off) { return 1.0 + off; });
   EXPECT_LE(WORST_ULP(log, near_one), 0.6);
-  for (const Range& range : {Range{-0.999, 1.0}, Range{0.0, 1.0}, Range{-1e-3, 1e-3}, Range{0.0, 1e30}}) {
+  for (const Between& range : {Between{-0.999, 1.0}, Between{0.0, 1.0}, Between{-1e-3, 1e-3}, Between{0.0, 1e30}}) {
     EXPECT_LE(WORST_ULP(log1p, arguments(range)), 1.5);
   }
 }

@@ -13,7 +13,7 @@ namespace odoless {
 namespace {
 
 constexpr double kSmall = 1e-3;  // errors whose squares count for nothing
-constexpr int kDraws = 40'000;
+constexpr int kMotionDraws = 40'000;
 
 Pose2 random_pose(Rng& rng) { return {rng.uniform(-2.0, 2.0), rng.uniform(-2.0, 2.0), rng.uniform(-3.0, 3.0)}; }
 
@@ -165,7 +165,7 @@ Eigen::Matrix3d covariance_by_trial(const std::vector<Motion>& motions, Rng& rng
   }
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   const ErrorProcess::Matrix initial_root = root_of(motions.front().error().initial);
-  for (int i = 0; i < kDraws; ++i) {
+  for (int i = 0; i < kMotionDraws; ++i) {
     const ErrorProcess::Vector before = drawn(initial_root, rng);
     ErrorProcess::Vector error = before;
     for (const Motion& motion : motions) {
@@ -174,7 +174,7 @@ Eigen::Matrix3d covariance_by_trial(const std::vector<Motion>& motions, Rng& rng
     const Pose2 truth = drawn_pose(before).inverse() * first_T_last * drawn_pose(error);
     const Eigen::Vector3d off(truth.x_m - first_T_last.x_m, truth.y_m - first_T_last.y_m,
                               wrap_angle(truth.yaw_rad - first_T_last.yaw_rad));
-    covariance += off * off.transpose() / kDraws;
+    covariance += off * off.transpose() / kMotionDraws;
   }
   return covariance;
 }

@@ -10,7 +10,7 @@ namespace odoless {
 namespace {
 
 constexpr double kDegree_rad = std::numbers::pi / 180.0;
-constexpr int kDraws = 200'000;
+constexpr int kModelDraws = 200'000;
 
 struct Moments {
   double mean = 0.0;
@@ -40,7 +40,7 @@ Errors draw(const MotionModelParams& params, const Pose2& increment, double lamb
   const ScanMatchingMotionModel model(params);
   Rng rng(5);
   Errors errors;
-  for (int i = 0; i < kDraws; ++i) {
+  for (int i = 0; i < kModelDraws; ++i) {
     const Pose2 pose = model.sample(Pose2{}, increment, lambda_m, rng);
     errors.forward_m.push_back(pose.x_m - increment.x_m);
     errors.left_m.push_back(pose.y_m - increment.y_m);
@@ -53,8 +53,8 @@ Errors draw(const MotionModelParams& params, const Pose2& increment, double lamb
 void expect_noise(const std::vector<double>& errors, double v) {
   const Moments m = moments(errors);
   const double sd = v / 3.0;
-  EXPECT_NEAR(m.mean, 0.0, 5.0 * sd / std::sqrt(kDraws));
-  EXPECT_NEAR(m.sd, sd, 5.0 * sd / std::sqrt(2.0 * kDraws));
+  EXPECT_NEAR(m.mean, 0.0, 5.0 * sd / std::sqrt(kModelDraws));
+  EXPECT_NEAR(m.sd, sd, 5.0 * sd / std::sqrt(2.0 * kModelDraws));
   EXPECT_LE(m.largest, 2.0 * v);
   EXPECT_GT(m.largest, 3.5 * sd);  // tails, not a box
 }
@@ -76,7 +76,7 @@ TEST(ScanMatchingMotionModel, SlipsForwardOnceInTwentyBySpeedTimesTime) {
     (error_m > 0.041 ? lobe : core).push_back(error_m);
   }
   const auto slips = static_cast<double>(lobe.size());
-  EXPECT_NEAR(slips / kDraws, 0.05, 5.0 * std::sqrt(0.05 * 0.95 / kDraws));
+  EXPECT_NEAR(slips / kModelDraws, 0.05, 5.0 * std::sqrt(0.05 * 0.95 / kModelDraws));
   const Moments m = moments(lobe);
   EXPECT_NEAR(m.mean, lambda_m, 5.0 * lambda_m / 6.0 / std::sqrt(slips));
   EXPECT_NEAR(m.sd, lambda_m / 6.0, 5.0 * lambda_m / 6.0 / std::sqrt(2.0 * slips));

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kMargin_m = 0.15;
-constexpr double kPenalty = 0.7;
-constexpr RasterParams kRaster{.resolution_m = 0.05, .extent_m = 4.0, .sigma_min_m = 0.05};
+constexpr double kFreePenalty = 0.7;
+constexpr RasterParams kFreeRaster{.resolution_m = 0.05, .extent_m = 4.0, .sigma_min_m = 0.05};
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
 struct Sweep {
@@ -40,7 +40,7 @@ double free_until_m(const ScanFrame& scan, int beam) {
     until_m = scan.is_return(i) ? std::min(until_m, scan.range_m(i)) : until_m;
   }
   until_m -= kMargin_m;
-  return until_m > kRaster.resolution_m ? until_m : 0.0;  // less than a pixel says nothing
+  return until_m > kFreeRaster.resolution_m ? until_m : 0.0;  // less than a pixel says nothing
 }
 
 // The oracle: whether some beam of the first turn, whose sector holds the point, sees through it.
@@ -59,7 +59,7 @@ bool is_free(const ScanFrame& scan, const Pose2& reference_T_scan, const Point2&
 
 // Whether the answer is the same all around the point, at a hundredth of a pixel.
 bool is_clear_cut(const ScanFrame& scan, const Pose2& reference_T_scan, const Point2& p_reference) {
-  const double aside_m = 0.01 * kRaster.resolution_m;
+  const double aside_m = 0.01 * kFreeRaster.resolution_m;
   int votes = 0;
   for (int i = 0; i < 8; ++i) {
     const Point2 near{p_reference.x_m + aside_m * std::cos(0.25 * i * kPi + 0.1),
@@ -72,14 +72,14 @@ bool is_clear_cut(const ScanFrame& scan, const Pose2& reference_T_scan, const Po
 // Compares every pixel of an unpainted raster with the oracle; returns how many were free.
 int expect_marked_as_oracle_says(const Sweep& sweep, const Pose2& reference_T_scan) {
   const ScanFrame scan = to_scan(sweep);
-  ScoreRaster raster(kRaster);
-  raster.mark_free(scan, reference_T_scan, kMargin_m, kPenalty);
+  ScoreRaster raster(kFreeRaster);
+  raster.mark_free(scan, reference_T_scan, kMargin_m, kFreePenalty);
   int marked = 0;
   int wrong = 0;
   int unclear = 0;
   for (int column = -80; column < 80; ++column) {
     for (int row = -80; row < 80; ++row) {
-      const Point2 centre{(column + 0.5) * kRaster.resolution_m, (row + 0.5) * kRaster.resolution_m};
+      const Point2 centre{(column + 0.5) * kFreeRaster.resolution_m, (row + 0.5) * kFreeRaster.resolution_m};
       const bool is_marked = raster.at(centre) < 0.0;
       marked += is_marked ? 1 : 0;
       if (is_marked == is_free(scan, reference_T_scan, centre)) {
@@ -122,7 +122,7 @@ TEST(FreeSpace, WholeTurnsOfEvenAnglesAreMarkedWithoutGap) {
     for (const double start_rad : {-kPi, 0.0, 0.5 * kPi, 1.0}) {
       for (const double sign : {1.0, -1.0}) {
         const Sweep sweep{start_rad, sign * step_rad, std::vector<float>(static_cast<std::size_t>(beams), 2.15F)};
-        const double disc_px = kPi * 2.0 * 2.0 / (kRaster.resolution_m * kRaster.resolution_m);
+        const double disc_px = kPi * 2.0 * 2.0 / (kFreeRaster.resolution_m * kFreeRaster.resolution_m);
         EXPECT_NEAR(expect_marked_as_oracle_says(sweep, {0.01, 0.02, 0.0}), disc_px, 0.01 * disc_px) << beams;
       }
     }
@@ -150,9 +150,9 @@ TEST(FreeSpace, BeamsWithoutReturnMarkNothing) {
 TEST(FreeSpace, NearestOfThreeNeighboursLimitsABeam) {
   std::vector<float> ranges_m(9, 3.0F);
   ranges_m[4] = 1.0F;
-  ScoreRaster raster(kRaster);
+  ScoreRaster raster(kFreeRaster);
   const ScanFrame scan = to_scan({-0.4, 0.1, ranges_m});
-  raster.mark_free(scan, {}, kMargin_m, kPenalty);
+  raster.mark_free(scan, {}, kMargin_m, kFreePenalty);
   const auto at = [&](int beam, double range_m) {
     return raster.at({range_m * std::cos(scan.angle_rad(beam)), range_m * std::sin(scan.angle_rad(beam))});
   };
@@ -170,22 +170,22 @@ TEST(FreeSpace, MarkedPixelLosesByTheStatedRuleAndOnceOnly) {
   Rng rng(3);
   Ndt ndt(NdtParams{}, 500);
   ndt.rebuild(random_points(500, 3.0, rng));
-  ScoreRaster before(kRaster);
-  ScoreRaster after(kRaster);
+  ScoreRaster before(kFreeRaster);
+  ScoreRaster after(kFreeRaster);
   before.paint(ndt);
   after.paint(ndt);
   const ScanFrame scan = to_scan({-kPi, kPi / 180, std::vector<float>(360, 2.5F)});
   // The same sweep twice, and a third from elsewhere that overlaps both.
-  after.mark_free(scan, {}, kMargin_m, kPenalty);
-  after.mark_free(scan, {}, kMargin_m, kPenalty);
-  after.mark_free(scan, {0.5, 0.2, 1.0}, kMargin_m, kPenalty);
+  after.mark_free(scan, {}, kMargin_m, kFreePenalty);
+  after.mark_free(scan, {}, kMargin_m, kFreePenalty);
+  after.mark_free(scan, {0.5, 0.2, 1.0}, kMargin_m, kFreePenalty);
   int lowered = 0;
   for (int i = 0; i < 2000; ++i) {
     const double angle_rad = rng.uniform(-kPi, kPi);
     const double range_m = rng.uniform(0.1, 2.2);
     const Point2 p{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)};
     const double n = before.at(p);
-    ASSERT_NEAR(after.at(p), n - kPenalty * std::max(0.0, 1.0 - 4.0 * n), 0.0011);  // the penalty in 1024ths
+    ASSERT_NEAR(after.at(p), n - kFreePenalty * std::max(0.0, 1.0 - 4.0 * n), 0.0011);  // the penalty in 1024ths
     lowered += after.at(p) < n - 0.01 ? 1 : 0;
   }
   EXPECT_GT(lowered, 500);

@@ -18,9 +18,9 @@ constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr std::int64_t kPeriod_ns = 100'000'000;
 
 // A robot that is driven through a scene and tracked; stamps, true pose and estimate side by side.
-class Drive {
+class OdometryDrive {
  public:
-  explicit Drive(SimulatedScene scene, const Pose2& map_T_start = {}, const SimulatedLaser& laser = {})
+  explicit OdometryDrive(SimulatedScene scene, const Pose2& map_T_start = {}, const SimulatedLaser& laser = {})
       : scene_(std::move(scene)), laser_(laser), map_T_start_(map_T_start), map_T_scan_(map_T_start) {
     step({}, 0);
   }
@@ -83,7 +83,7 @@ TEST(LaserOdometry, LocalMapsThatTakeManyScansToBuildHoldTheTrackToo) {
 }
 
 TEST(LaserOdometry, TracksStraightLegsAndFastTurns) {
-  Drive drive(cluttered_room(), {-0.8, -1.2, 0.0});
+  OdometryDrive drive(cluttered_room(), {-0.8, -1.2, 0.0});
   Pose2 composed;
   for (int i = 0; i < 200; ++i) {
     const Motion& step = drive.step(motion_of_square(i));
@@ -108,7 +108,7 @@ SimulatedScene hall() {
 }
 
 TEST(LaserOdometry, TracksOnWhenNothingOfTheStartIsInSight) {
-  Drive drive(hall(), {}, {.range_max_m = 5.0});
+  OdometryDrive drive(hall(), {}, {.range_max_m = 5.0});
   for (int i = 0; i < 200; ++i) {
     drive.step({0.1, 0.0, 0.02 * std::cos(0.1 * i)});
   }
@@ -117,7 +117,7 @@ TEST(LaserOdometry, TracksOnWhenNothingOfTheStartIsInSight) {
 }
 
 TEST(LaserOdometry, FirstScanIsTheOrigin) {
-  const Drive drive(cluttered_room(), {0.5, 0.5, 2.0});
+  const OdometryDrive drive(cluttered_room(), {0.5, 0.5, 2.0});
   EXPECT_FALSE(drive.last().matched());
   EXPECT_EQ(drive.last().from_stamp_ns, drive.last().to_stamp_ns);
   EXPECT_EQ(drive.estimate().x_m, 0.0);
@@ -125,7 +125,7 @@ TEST(LaserOdometry, FirstScanIsTheOrigin) {
 }
 
 TEST(LaserOdometry, KeepsTrackAcrossAPauseOfTheData) {
-  Drive drive(cluttered_room(), {-0.8, -1.2, 0.0});
+  OdometryDrive drive(cluttered_room(), {-0.8, -1.2, 0.0});
   for (int i = 0; i < 10; ++i) {
     drive.step(motion_of_square(i));
   }
@@ -140,7 +140,7 @@ TEST(LaserOdometry, KeepsTrackAcrossAPauseOfTheData) {
 }
 
 TEST(LaserOdometry, BlindScanLeavesThePredictionAndItsUncertainty) {
-  Drive drive(cluttered_room(), {-0.8, -1.2, 0.0});
+  OdometryDrive drive(cluttered_room(), {-0.8, -1.2, 0.0});
   for (int i = 0; i < 10; ++i) {
     drive.step(motion_of_square(i));
   }
@@ -174,7 +174,7 @@ TEST(LaserOdometry, BlindStartIsOverWithTheFirstScanThatSees) {
 }
 
 TEST(LaserOdometry, LongBlindnessDoesNotEmptyTheLocalMap) {
-  Drive drive(cluttered_room(), {-0.8, -1.2, 0.0});
+  OdometryDrive drive(cluttered_room(), {-0.8, -1.2, 0.0});
   for (int i = 0; i < 20; ++i) {
     drive.step({0.0, 0.0, 9.0 * kRadPerDeg});
   }
@@ -202,7 +202,7 @@ struct CorridorAxes {
 };
 
 TEST(LaserOdometry, CorridorIsTrackedAcrossAndCalledWeakAlong) {
-  Drive drive(corridor(), {0.0, 0.1, 0.0}, {.range_max_m = 8.0});
+  OdometryDrive drive(corridor(), {0.0, 0.1, 0.0}, {.range_max_m = 8.0});
   for (int i = 0; i < 20; ++i) {
     const Motion& step = drive.step({0.1, 0.0, 0.01}, 2 * kPeriod_ns);
     const CorridorAxes axes(0.01 * i);
@@ -231,7 +231,7 @@ struct SquaredErrors {
 TEST(LaserOdometry, ErrorsInACorridorAreWithinTwoStatedDeviations) {
   Rng rng(3);
   for (const double heading_rad : {0.0, 0.4, -1.2}) {
-    Drive drive(corridor(), {-10.0, 0.1, heading_rad}, {.range_max_m = 8.0});
+    OdometryDrive drive(corridor(), {-10.0, 0.1, heading_rad}, {.range_max_m = 8.0});
     const CorridorAxes axes(heading_rad);
     double along = 0.0;
     double across = 0.0;
@@ -255,7 +255,7 @@ TEST(LaserOdometry, ErrorsInACorridorAreWithinTwoStatedDeviations) {
 // Where it was carried to, nothing is as before: what the first match makes of it is neither a speed nor a place.
 // Until the local map begins anew nothing is there to be matched: the speed of before is kept.
 TEST(LaserOdometry, CarriedIntoAnotherSceneTracksOnThereAfterThreeScans) {
-  Drive drive(cluttered_room(), {-0.8, -1.2, 0.0});
+  OdometryDrive drive(cluttered_room(), {-0.8, -1.2, 0.0});
   for (int i = 0; i < 60; ++i) {
     EXPECT_FALSE(drive.step(motion_of_square(i)).has(kJolted)) << i;
   }
@@ -273,7 +273,7 @@ TEST(LaserOdometry, CarriedIntoAnotherSceneTracksOnThereAfterThreeScans) {
 }
 
 TEST(LaserOdometry, RecoversFromEqualAndBackwardStamps) {
-  Drive drive(cluttered_room(), {-0.8, -1.2, 0.0});
+  OdometryDrive drive(cluttered_room(), {-0.8, -1.2, 0.0});
   for (int i = 0; i < 20; ++i) {
     drive.step(motion_of_square(i), i % 3 == 0 ? 0 : (i % 3 == 1 ? -kPeriod_ns : 3 * kPeriod_ns));
     ASSERT_LT(drive.truth().distance_m(drive.estimate()), 0.5);

@@ -10,14 +10,14 @@
 namespace odoless {
 namespace {
 
-constexpr int kBeams = 181;
+constexpr int kSweepBeams = 181;
 
 class StuckDetectorTest : public ::testing::Test {
  protected:
   /// A wall at that distance, as a laser with this noise sees it, rounded to this.
   std::vector<float> scan(double distance_m, double noise_sd_m, double quantum_m = 0.0) {
     std::vector<float> ranges_m;
-    for (int i = 0; i < kBeams; ++i) {
+    for (int i = 0; i < kSweepBeams; ++i) {
       const double range_m = distance_m + 0.01 * i + noise_sd_m * rng_.normal();
       ranges_m.push_back(static_cast<float>(quantum_m > 0.0 ? quantum_m * std::round(range_m / quantum_m) : range_m));
     }
@@ -25,7 +25,7 @@ class StuckDetectorTest : public ::testing::Test {
   }
 
   Rng rng_{1};
-  StuckDetector detector_{kBeams};
+  StuckDetector detector_{kSweepBeams};
 };
 
 TEST_F(StuckDetectorTest, ALiveLaserAtRestIsNotStuckAlsoIfItRoundsToCentimetres) {
@@ -90,14 +90,14 @@ TEST_F(StuckDetectorTest, ASceneThatComesToRestIsNoLongerSuspectAfterAWhile) {
 }
 
 TEST_F(StuckDetectorTest, WithoutReturnsOrWithOtherBeamsItSaysNothing) {
-  const std::vector<float> nothing(kBeams, INFINITY);
+  const std::vector<float> nothing(kSweepBeams, INFINITY);
   detector_.add(nothing);
   detector_.add(nothing);
   EXPECT_FALSE(detector_.is_suspect());
   detector_.add(std::vector<float>(30, 1.0F));
   detector_.add(std::vector<float>(31, 1.0F));
   EXPECT_FALSE(detector_.is_suspect());
-  detector_.add(std::vector<float>(2 * kBeams, 1.0F));  // more than there is room for
+  detector_.add(std::vector<float>(2 * kSweepBeams, 1.0F));  // more than there is room for
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "tests/core/slam/same_pose.hpp"
 #include "tests/support/plain_segments.hpp"
 #include "tests/support/simulated_room.hpp"
 
@@ -54,11 +55,6 @@ class LowRun {
   Lslam low_{low_params(), 1};
   RunSegment segment_;
 };
-
-::testing::AssertionResult same_pose(const Pose2& a, const Pose2& b) {
-  const bool same = a.x_m == b.x_m && a.y_m == b.y_m && a.yaw_rad == b.yaw_rad;
-  return same ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << a.x_m << " is not " << b.x_m;
-}
 
 TEST(RunSegment, HoldsThePathsOfTheLowLevelAndItsDriftGrowsEvenly) {
   LowRun run;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/slam/lslam.hpp"
+#include "tests/core/slam/same_pose.hpp"
 #include "tests/support/plain_particles.hpp"
 #include "tests/support/simulated_room.hpp"
 
@@ -19,11 +20,6 @@ LslamParams small_filter() {
   params.path_records_max = 4096;
   params.grid = {.resolution_m = 0.1, .width_m = 6.4, .height_m = 3.2, .tiles_max = 8000};
   return params;
-}
-
-::testing::AssertionResult same_pose(const Pose2& a, const Pose2& b) {
-  const bool same = a.x_m == b.x_m && a.y_m == b.y_m && a.yaw_rad == b.yaw_rad;
-  return same ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << a.x_m << " is not " << b.x_m;
 }
 
 void expect_same_map(AncestryGrid::View view, PlainMap& plain, const GridGeometry& grid) {

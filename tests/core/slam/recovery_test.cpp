@@ -11,7 +11,7 @@ namespace odoless {
 namespace {
 
 constexpr int kBeams = 120;
-constexpr ScanParams kScan{.beams_max = kBeams, .range_max_m = 20.0};
+constexpr ScanParams kRecoveryScan{.beams_max = kBeams, .range_max_m = 20.0};
 
 SlamParams small_slam() {
   SlamParams params;
@@ -24,7 +24,7 @@ SlamParams small_slam() {
 /// A filter that has mapped the room, each scan of it seen by the recovery first; and the recovery's figures, anew.
 class RecoveryTest : public ::testing::Test {
  protected:
-  RecoveryTest() : slam_(small_slam(), kScan, 5), room_(4, kBeams), recovery_(params_, kScan, slam_) {
+  RecoveryTest() : slam_(small_slam(), kRecoveryScan, 5), room_(4, kBeams), recovery_(params_, kRecoveryScan, slam_) {
     for (int i = 0; i < 2 * params_.tracking.updates_min; ++i) {
       room_.step();
       EXPECT_TRUE(i == 0 || advice() == Advice::kGoOn) << i;
@@ -108,7 +108,7 @@ TEST_F(RecoveryTest, IsLostAfterAStepThatIsSurelyWrongAndMapsNothing) {
 
 TEST_F(RecoveryTest, TellsHowLongNobodyKnewWhereTheRobotWas) {
   params_.search.rival_ratio = 1.0;  // the room has a twin for few beams
-  Recovery recovery(params_, kScan, slam_);
+  Recovery recovery(params_, kRecoveryScan, slam_);
   for (int i = 0; i < params_.tracking.updates_min; ++i) {
     recovery.note_update(1.0);
   }

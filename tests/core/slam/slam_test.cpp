@@ -4,12 +4,13 @@
 
 #include <cmath>
 
+#include "tests/core/slam/same_pose.hpp"
 #include "tests/support/simulated_room.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr ScanParams kScan{.beams_max = 120, .range_max_m = 20.0};
+constexpr ScanParams kSlamScan{.beams_max = 120, .range_max_m = 20.0};
 
 SlamParams small_slam(int high_particles) {
   SlamParams params;
@@ -21,13 +22,8 @@ SlamParams small_slam(int high_particles) {
   return params;
 }
 
-::testing::AssertionResult same_pose(const Pose2& a, const Pose2& b) {
-  const bool same = a.x_m == b.x_m && a.y_m == b.y_m && a.yaw_rad == b.yaw_rad;
-  return same ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << a.x_m << " is not " << b.x_m;
-}
-
 TEST(Slam, IsTheLowLevelAloneWhereTheHighOneIsOff) {
-  Slam slam(small_slam(0), kScan, 5);
+  Slam slam(small_slam(0), kSlamScan, 5);
   Lslam low(small_slam(0).low, 5);
   SimulatedRoom room(4, 120);
   for (int i = 0; i < 30; ++i) {
@@ -45,7 +41,7 @@ TEST(Slam, IsTheLowLevelAloneWhereTheHighOneIsOff) {
 }
 
 TEST(Slam, WithBothLevelsHasAPosePerUpdateAndStaysOnTrack) {
-  Slam slam(small_slam(20), kScan, 5);
+  Slam slam(small_slam(20), kSlamScan, 5);
   SimulatedRoom room(4, 120);
   std::vector<Pose2> truth;
   for (int i = 0; i < 100; ++i) {
@@ -72,7 +68,7 @@ TEST(Slam, WithBothLevelsHasAPosePerUpdateAndStaysOnTrack) {
 }
 
 TEST(Slam, SegmentsAreDoneBeforeTheNextEndsIfWorkIsCalledOncePerUpdate) {
-  Slam slam(small_slam(20), kScan, 5);
+  Slam slam(small_slam(20), kSlamScan, 5);
   SimulatedRoom room(4, 120);
   for (int i = 1; i <= 60; ++i) {
     room.step();
@@ -85,7 +81,7 @@ TEST(Slam, SegmentsAreDoneBeforeTheNextEndsIfWorkIsCalledOncePerUpdate) {
 
 TEST(Slam, IsPutWhereTheUserSays) {
   for (const int high : {0, 10}) {
-    Slam slam(small_slam(high), kScan, 5);
+    Slam slam(small_slam(high), kSlamScan, 5);
     SimulatedRoom room(4, 120);
     for (int i = 0; i < 20; ++i) {
       room.step();

@@ -8,12 +8,13 @@
 #include <optional>
 
 #include "core/base/rng.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
-constexpr std::int64_t kSecond = 1'000'000'000;
+using test::kMs;
+using test::kSecond;
 constexpr std::int64_t kDelayNs = 19 * kMs;
 
 /// A device whose true times are known, and whose bytes come late by chance.

@@ -21,10 +21,10 @@ using test::HeardScan;
 using test::kMs;
 using test::kSecond;
 
-constexpr std::int64_t kBroughtUpNs = 12 * kSecond;
+constexpr std::int64_t kMovingUpNs = 12 * kSecond;
 constexpr std::size_t kScans = 6;
 constexpr std::int64_t kOnTheCircleNs = 2 * kSecond;
-constexpr double kRangeErrorMaxM = 0.03;
+constexpr double kMovingErrorMaxM = 0.03;
 constexpr double kMostOfThem = 0.9;  ///< all but those at edges, where a beam may see either surface
 
 /// On a circle of 1 m at 2 m/s, so that it turns at 115 deg/s; each beam is measured at its own time. A laser that sees
@@ -54,7 +54,7 @@ class MovingLaser : public ::testing::TestWithParam<test::TestedLaser> {
 
   void bring_up() {
     bench_.reset();
-    for (const std::int64_t end_ns = bench_.now_ns() + kBroughtUpNs; bench_.heard().scans.empty();) {
+    for (const std::int64_t end_ns = bench_.now_ns() + kMovingUpNs; bench_.heard().scans.empty();) {
       ASSERT_LT(bench_.now_ns(), end_ns) << "no scan";
       bench_.run(5 * kMs);
     }
@@ -117,7 +117,7 @@ TEST_P(MovingLaser, SeesWhatIsThereOnceItsMotionIsTakenOut) {
     const double skewed_m = error_m(scan, kMostOfThem);
     scan.deskew(velocity_of(heard));
     EXPECT_LT(error_m(scan, kMostOfThem), 0.5 * skewed_m) << i;
-    EXPECT_LT(error_m(scan, kMostOfThem), kRangeErrorMaxM) << i;
+    EXPECT_LT(error_m(scan, kMostOfThem), kMovingErrorMaxM) << i;
   }
 }
 

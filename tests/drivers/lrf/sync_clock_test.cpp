@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "tests/support/times.hpp"
+
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 constexpr std::int64_t kTurn_ns = 25 * kMs;
 
 TEST(SyncClock, PutsScansOnTheirPulses) {

@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "core/base/rng.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 
 TEST(TiltHistory, InterpolatesOnTheLineBetweenNeighbours) {
   TiltHistory history(50 * kMs);

@@ -5,11 +5,12 @@
 #include <limits>
 
 #include "drivers/tilt/angle_gate.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 
 TiltSample at(std::int64_t stamp_ns, double angle_rad) {
   return {.stamp_ns = stamp_ns, .arrival_ns = stamp_ns, .angle_rad = angle_rad};

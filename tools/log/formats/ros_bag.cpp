@@ -13,7 +13,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
+constexpr std::string_view kBagMagic = "#ROSBAG V2.0\n";
 constexpr std::string_view kAnyMagic = "#ROSBAG V";
 constexpr const char* kLaserScanSum = "90c7ef2dc6895d81024acba2ac42f369";
 
@@ -66,10 +66,10 @@ class RosBag : public MessageLog {
  public:
   RosBag(std::unique_ptr<ByteStream> bytes, const std::string& name)
       : MessageLog("ROS 1 bag", name), file_(std::move(bytes), name) {
-    if (file_.peek(kMagic.size()) != kMagic) {
+    if (file_.peek(kBagMagic.size()) != kBagMagic) {
       file_.fail("a bag of another version", "version 2.0, to which `rosbag fix` brings older ones");
     }
-    file_.skip(kMagic.size());
+    file_.skip(kBagMagic.size());
   }
 
   [[nodiscard]] std::string passed_over() const override {

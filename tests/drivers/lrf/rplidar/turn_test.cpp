@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "core/base/rng.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless::rplidar {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 /// Range to the walls of a square room of 4 m by 4 m, from its middle.

@@ -4,11 +4,12 @@
 
 #include "core/base/rng.hpp"
 #include "drivers/tilt/cia402/sdo_client.hpp"
+#include "tests/support/times.hpp"
 
 namespace odoless::canopen {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 
 CanFrame frame(std::uint32_t id, std::initializer_list<std::uint8_t> data) {
   CanFrame made;
