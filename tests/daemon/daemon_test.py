@@ -278,7 +278,7 @@ class DaemonTest(DaemonCase):
         servo = self.start_servo("--fault", "stall@6:6")
         self.start_laser()
         daemon = self.start_daemon()
-        self.wait_until(lambda: self.state().startswith("DEGRADED") and self.servo_obeys(), 6)
+        self.wait_until(lambda: "the laser sweeps as it was told" in self.state() and self.servo_obeys(), 6)
         self.wait_until(lambda: self.state().startswith("DEGRADED") and not self.servo_obeys(), 15)
         self.wait_until(self.servo_obeys, 15)
         self.unplug(servo, "servo")
