@@ -19,7 +19,7 @@ struct AncestryGridParams {
   double resolution_m = 0.05;
   double width_m = 100.0;
   double height_m = 100.0;
-  int tiles_max = 65536;
+  int tiles_max = 32768;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {

@@ -19,6 +19,7 @@ Lslam::Lslam(const LslamParams& params, std::uint64_t seed)
       motion_(params.motion),
       model_(params.beam, params.grid.resolution_m),
       particles_(params.grid, params.particles, params.path_records_max),
+      kld_(params.particles),
       rng_(seed),
       wanted_particles_(params.particles) {
   ODOLESS_CHECK(parameters_in_range(params));
@@ -34,6 +35,7 @@ void Lslam::reset(const Pose2& map_T_scan) {
   particles_.reset(map_T_scan);
   particles_.grid().centre_on(cell_of(map_T_scan));
   travel_m_ = 0.0;
+  turn_ = 0;
   speed_.reset();
   errors_[0] = DrawnError{};
   started_ = pool_was_full_ = false;
@@ -98,7 +100,7 @@ GridCell Lslam::cell_of(const Pose2& map_T_scan) const {
 }
 
 std::size_t Lslam::memory_bytes() const {
-  return sizeof(*this) + particles_.memory_bytes() + scores_.capacity() * sizeof(double) +
+  return sizeof(*this) + particles_.memory_bytes() + kld_.memory_bytes() + scores_.capacity() * sizeof(double) +
          (errors_.capacity() + old_errors_.capacity()) * sizeof(DrawnError) + beams_.capacity() * sizeof(Beam);
 }
 
@@ -159,18 +161,29 @@ bool Lslam::select_survivors(UpdateReport& report) {
   if (!pool_was_full_ && !depleted && !cut && wanted_particles_ >= particles()) {
     return false;
   }
-  particles_.choose_survivors(wanted_particles_, pool_was_full_, rng_);
+  particles_.choose_survivors(particles_needed(), pool_was_full_, rng_);
   return true;
 }
 
+int Lslam::particles_needed() {
+  if (params_.spread_error == 0.0) {
+    return wanted_particles_;
+  }
+  const int needed = KldSampling::particles_for(particles_.bins(kld_), params_.spread_error);
+  return std::min(std::max(needed, params_.particles_min), wanted_particles_);
+}
+
 void Lslam::map_scan(const ScanFrame& scan, const Deadline& deadline, UpdateReport& report) {
+  const int step = std::max(1, (scan.size() + params_.beams_mapped - 1) / params_.beams_mapped);
+  turn_ = (turn_ + 1) % step;
+  const ScanPart beams(scan, turn_, scan.size(), step);
   for (int particle = 0; particle < particles(); ++particle) {
     if (report.resampled && !particles_.survives(particle)) {
       continue;
     }
     if (report.thinly_mapped_particles > 0) {
       ++report.unmapped_particles;
-    } else if (!map_until(deadline, particle, scan)) {
+    } else if (!map_until(deadline, particle, beams)) {
       ++report.thinly_mapped_particles;
     }
     particles_.paths().append(particle, {.stamp_ns = scan.stamp_ns(), .map_T_scan = pose(particle)});
@@ -178,17 +191,17 @@ void Lslam::map_scan(const ScanFrame& scan, const Deadline& deadline, UpdateRepo
 }
 
 /// False if the time was over: of the beams left then an even choice was taken, lest the map know one side alone.
-bool Lslam::map_until(const Deadline& deadline, int particle, const ScanFrame& scan) {
+bool Lslam::map_until(const Deadline& deadline, int particle, const ScanPart& part) {
   constexpr int kBeams = 64;  // from one question to the next, and after the last
   AncestryGrid::Writer writer = particles_.grid().writer(particle);
   const BeamCaster caster(geometry(), pose(particle));
   bool over = false;
-  for (int first = 0; first < scan.size() && !over; first += kBeams) {
+  for (int first = part.first; first < part.end && !over; first += kBeams * part.step) {
     over = deadline.expired();
-    const int left = scan.size() - first;
-    const ScanPart part(scan, first, first + (over ? left : std::min(left, kBeams)),
-                        over ? (left + kBeams - 1) / kBeams : 1);
-    integrate_scan(model_, caster, writer, part, params_.free_no_return_m);
+    const int beams = (part.end - first + part.step - 1) / part.step;  // left
+    const int step = part.step * (over ? (beams + kBeams - 1) / kBeams : 1);
+    const int end = over ? part.end : std::min(part.end, first + kBeams * part.step);
+    integrate_scan(model_, caster, writer, ScanPart(part.scan, first, end, step), params_.free_no_return_m);
   }
   return !over;
 }

@@ -14,6 +14,7 @@
 #include "core/motion/scan_matching_motion_model.hpp"
 #include "core/motion/travel_speed.hpp"
 #include "core/scan/scan_frame.hpp"
+#include "core/slam/kld_sampling.hpp"
 #include "core/slam/lslam_params.hpp"
 #include "core/slam/particle_maps.hpp"
 #include "core/slam/pose_search.hpp"
@@ -51,8 +52,9 @@ struct PoseEstimate {
 ///
 /// An update (1) draws each particle's pose from the scan-matching motion model, about one of the motion's hypotheses,
 /// (2) weighs it by the scan's likelihood
-/// in its own map, (3) if too few particles matter, keeps those that a systematic resampling picks, (4) puts the scan
-/// into the survivors' maps and (5) lets them multiply. The first update since `reset` does (4) and (5) alone.
+/// in its own map, (3) if too few particles matter, keeps those that a systematic resampling picks, (4) puts the scan,
+/// or an even choice of its beams, into the survivors' maps and (5) lets them multiply, to as many as their spread
+/// needs (KldSampling). The first update since `reset` does (4) and (5) alone.
 ///
 /// Frames:    poses are map_T_scan: of the laser, x forward, whose scans the matcher compares. The map has no edge: its
 ///            grid is a window that follows the best particle.
@@ -83,7 +85,7 @@ class Lslam {
   /// @param motion  From the scan of the last update to this one; ignored in the first. Finite.
   [[nodiscard]] UpdateReport update(const Motion& motion, const ScanFrame& scan, const Deadline& deadline = {});
 
-  /// How many particles there shall be, 1 to `params.particles`, which is what there is until somebody asks. Fewer come
+  /// Most particles that there shall be, 1 to `params.particles`, which it is until somebody asks. Fewer come
   /// with the next update, which then resamples; more with the next resampling that the weights ask for. A replay that
   /// asks for the same before the same updates gives the same bits.
   void set_particles(int wanted);
@@ -127,8 +129,9 @@ class Lslam {
   void weigh_until(const Deadline& deadline, UpdateReport& report);
   [[nodiscard]] ScoredPose refined(int particle, std::span<const Beam> beams);
   [[nodiscard]] bool select_survivors(UpdateReport& report);
+  [[nodiscard]] int particles_needed();
   void map_scan(const ScanFrame& scan, const Deadline& deadline, UpdateReport& report);
-  [[nodiscard]] bool map_until(const Deadline& deadline, int particle, const ScanFrame& scan);
+  [[nodiscard]] bool map_until(const Deadline& deadline, int particle, const ScanPart& part);
   /// Lets the window of the maps follow the robot, and parts of them grow old.
   void move_window(const Motion& motion);
   [[nodiscard]] GridCell cell_of(const Pose2& map_T_scan) const;
@@ -138,6 +141,7 @@ class Lslam {
   ScanMatchingMotionModel motion_;
   BeamModel model_;
   ParticleMaps particles_;
+  KldSampling kld_;
   TravelSpeed speed_;
   Rng rng_;
   std::vector<double> scores_;
@@ -145,6 +149,7 @@ class Lslam {
   std::vector<DrawnError> old_errors_;
   std::vector<Beam> beams_;
   double travel_m_ = 0.0;  ///< of all updates
+  int turn_ = 0;           ///< of the beams that take turns in being mapped: the first of the last update
   int wanted_particles_;
   bool started_ = false;
   bool pool_was_full_ = false;

@@ -10,7 +10,10 @@ namespace odoless {
 /// Of the low-level DP-SLAM filter.
 struct LslamParams {
   int particles = 200;
+  int particles_min = 100;
+  double spread_error = 0.1;
   int beams_used = 60;
+  int beams_mapped = 200;
   double tempering = 0.5;
   double resample_below = 0.5;
   int refine_steps = 0;
@@ -27,9 +30,17 @@ struct LslamParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.value("particles", self.particles, Range{1, 10'000},
-                "Number of particles, each a hypothesis of trajectory and map.");
+                "Most particles, each a hypothesis of trajectory and map.");
+    visit.value("particles_min", self.particles_min, Range{1, 10'000},
+                "Fewest particles, however little they differ; `particles` where that is less.");
+    visit.value("spread_error", self.spread_error, Range{0.0, 1.0},
+                "Error that a resampling may leave in the particles' distribution of poses, which decides how many go "
+                "on (KLD sampling); smaller is more of them; 0: always all.");
     visit.value("beams_used", self.beams_used, Range{1, 16384},
-                "Largest number of beams, evenly selected, that weight the particles; the map takes all.");
+                "Largest number of beams, evenly selected, that weight the particles.");
+    visit.value(
+        "beams_mapped", self.beams_mapped, Range{1, 16384},
+        "Largest number of beams, evenly selected and others with each update, that go into the particles' maps.");
     visit.value("tempering", self.tempering, Range{0.0, 1.0},
                 "Exponent of a scan's likelihood, because the errors of its beams are correlated; 1: as published.");
     visit.value("resample_below", self.resample_below, Range{0.0, 1.0},

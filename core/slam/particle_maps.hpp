@@ -9,6 +9,7 @@
 #include "core/base/rng.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/grid/ancestry_grid.hpp"
+#include "core/slam/kld_sampling.hpp"
 #include "core/slam/path_pool.hpp"
 
 namespace odoless {
@@ -47,6 +48,11 @@ class ParticleMaps {
   /// The heaviest; just after a resampling a copy of it.
   [[nodiscard]] int best() const { return best_; }
   [[nodiscard]] double effective() const;
+  /// KldSampling::bins of these particles.
+  [[nodiscard]] int bins(KldSampling& kld) const {
+    const auto particles = static_cast<std::size_t>(size());
+    return kld.bins(std::span(poses_).first(particles), std::span(weights_).first(particles));
+  }
 
   void add_log_weight(int particle, double log_likelihood) {
     log_weights_[static_cast<std::size_t>(particle)] += log_likelihood;

@@ -46,6 +46,7 @@ void FilterLoop::process(const MotionMessage& message) {
   timer_.begin();
   const std::int64_t time_ns = update_time_ns(message);
   const CpuDeadline deadline(time_ns);
+  const int particles = stage_.filter().particles();
   const FilterStep step = message.slot == kNoSlot ? stage_.process(message.motion)
                                                   : stage_.process(pipeline_.pool.at(message.slot), message.motion,
                                                                    pipeline_.lossless ? Deadline{} : deadline.view());
@@ -58,7 +59,7 @@ void FilterLoop::process(const MotionMessage& message) {
   const std::int64_t used_ns = timer_.end(report_.stage);
   report_.with_matcher.record(used_ns + message.matcher_cpu_ns);
   if (step.updated && !pipeline_.lossless) {
-    adapt(used_ns, time_ns);
+    adapt(particles, used_ns, time_ns);
   }
   report();
   pipeline_.filter.heartbeat.fetch_add(1, std::memory_order_relaxed);
@@ -84,6 +85,7 @@ void FilterLoop::obey(const FilterCommand& command) {
 }
 
 std::int64_t FilterLoop::update_time_ns(const MotionMessage& message) const {
+  constexpr double kDeadline = 0.75;  // of the budget; the rest is for what an update ends with
   const double own_ns = kDeadline * static_cast<double>(params_.filter_budget_ns);
   const double left_ns =
       kScanDeadline * static_cast<double>(params_.scan_budget_ns) - static_cast<double>(message.matcher_cpu_ns);
@@ -91,13 +93,13 @@ std::int64_t FilterLoop::update_time_ns(const MotionMessage& message) const {
 }
 
 // An update's time is nearly all the particles'. Slowly up, at once down.
-void FilterLoop::adapt(std::int64_t used_ns, std::int64_t time_ns) {
+void FilterLoop::adapt(int particles, std::int64_t used_ns, std::int64_t time_ns) {
   constexpr double kAim = 0.4;          // of the budget: one update may take much longer than the one before
   constexpr double kAimWithLess = 0.8;  // where matches leave less
   constexpr double kGrowth = 1.05;      // at most, from one update to the next
   const double aim_ns =
       std::min(kAim * static_cast<double>(params_.filter_budget_ns), kAimWithLess * static_cast<double>(time_ns));
-  const double wanted = particles_ * std::min(kGrowth, aim_ns / static_cast<double>(used_ns));
+  const double wanted = std::min(kGrowth * particles_, particles * aim_ns / static_cast<double>(used_ns));
   particles_ = std::clamp<double>(wanted, particles_min_, stage_.filter().params().low.particles);
   stage_.set_particles(static_cast<int>(particles_));
 }

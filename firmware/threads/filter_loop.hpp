@@ -39,7 +39,7 @@ class FilterLoop {
   void publish(const FilterStep& step, const Motion& motion);
   /// CPU time until an update after this match is cut short.
   [[nodiscard]] std::int64_t update_time_ns(const MotionMessage& message) const;
-  void adapt(std::int64_t used_ns, std::int64_t time_ns);
+  void adapt(int particles, std::int64_t used_ns, std::int64_t time_ns);
   void report();
 
   Pipeline& pipeline_;

@@ -3,6 +3,13 @@
 #include "firmware/stages/stage_reports.hpp"
 
 namespace odoless {
+namespace {
+
+/// Of the budget: when a search is told to end. What it ends with takes a quarter where the machine is quiet, and more
+/// where its cores are shared.
+constexpr double kDeadline = 0.6;
+
+}  // namespace
 
 MatcherLoop::MatcherLoop(Pipeline& pipeline, MatcherStage& stage, std::int64_t budget_ns, bool to_filter)
     : pipeline_(pipeline), stage_(stage), budget_ns_(budget_ns), to_filter_(to_filter), timer_(budget_ns) {}

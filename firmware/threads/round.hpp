@@ -15,9 +15,6 @@ namespace odoless {
 inline constexpr std::int64_t kIdle_ns = 50'000'000;
 /// How long a stage of a lossless replay waits before it looks for room again.
 inline constexpr std::int64_t kRoomWait_ns = 200'000;
-/// Of a stage's budget: when its work is told to end. The rest is for what it ends with: of the matcher up to a quarter
-/// on a quiet machine, and more on one whose cores are shared.
-inline constexpr double kDeadline = 0.75;
 
 /// One system call.
 inline void sleep_ns(std::int64_t duration_ns) {

@@ -213,7 +213,7 @@ class FaultsTest(DaemonCase):
         log = self.path("rooms.log")
         self.assertEqual(run("odoless", "sim", WORLD, "--lrf", "utm-30lx", "--out", log).returncode, 0)
         self.config = self.write_config("slow.toml", "[pipeline]\nscan_queue = 1024\nmotion_queue = 4096\n"
-                                                     "[slam.low]\nparticles = 1000\n")
+                                                     "[slam.low]\nparticles = 1000\nspread_error = 0.0\n")
         daemon = self.start_daemon("--replay", log)
         self.wait_until(lambda: self.state().startswith(("OK", "DEGRADED")), 30)
         daemon.send_signal(signal.SIGTERM)

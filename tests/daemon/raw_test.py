@@ -50,7 +50,7 @@ class RawTest(DaemonCase):
         """The trajectory that `odoless replay` finds for these scans, with so many particles that a stamp which came 0.1 ms
         later does not decide where along a wall the robot is taken to be."""
         with open(self.path("many.toml"), "w", encoding="ascii") as file:
-            file.write("[slam.low]\nparticles = 1000\n")
+            file.write("[slam.low]\nparticles = 1000\nspread_error = 0.0\n")
         with open(self.path(name + ".csv"), "w", encoding="ascii") as log:
             for stamp_s, data in recorded:
                 (beams,) = struct.unpack_from(">i", data)

@@ -190,7 +190,8 @@ Scene state_of(const std::string& name, const Recording& recording, std::vector<
 std::vector<Scene> tracking_scenes() {
   const Recording jolted =
       std::move(Recording(kRoom).drive(3.0, 0.2).carry({0.3, 0.2, 2.0}).drive(2.0, 0.2).miss(1.2).drive(2.0, 0.2));
-  return {replay_of("drive", Recording(kRoom).drive(6.0, 0.2), {kFast}), replay_of("jolted", jolted, {kFast}),
+  const std::string few = "slam.low.particles_min = 4\nslam.low.spread_error = 0.5\nslam.low.beams_mapped = 60\n";
+  return {replay_of("drive", Recording(kRoom).drive(6.0, 0.2), {kFast, few}), replay_of("jolted", jolted, {kFast}),
           replay_of("often poor", jolted, {kFast, "odometry.poor_share = 0.9"}), pairs_of("pairs", jolted, {kFast})};
 }
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <set>
+#include <tuple>
 
 #include "core/slam/particle_weights.hpp"
 
@@ -66,12 +69,13 @@ void PlainParticles::update(const Motion& motion, const ScanFrame& scan) {
     resampled_ = effective_particles(weights_) < params_.resample_below * static_cast<double>(particles_.size()) ||
                  wanted_particles_ < particles_.size();
     if (resampled_) {
-      systematic_copies(weights_, static_cast<int>(wanted_particles_), rng_.uniform(), copies);
+      systematic_copies(weights_, static_cast<int>(needed()), rng_.uniform(), copies);
     }
   }
   if (started_) {
     follow();
   }
+  ++updates_;
   for (Particle& particle : particles_) {
     map_scan(particle, scan);
   }
@@ -79,6 +83,25 @@ void PlainParticles::update(const Motion& motion, const ScanFrame& scan) {
     resample(copies);
   }
   started_ = true;
+}
+
+/// As many as Fox's equation asks for, of the bins that hold particles of half the mean weight at least.
+std::size_t PlainParticles::needed() const {
+  if (params_.spread_error == 0.0) {
+    return wanted_particles_;
+  }
+  std::set<std::tuple<double, double, double>> bins;
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    if (weights_[i] >= 0.5 / static_cast<double>(particles_.size())) {
+      const Pose2& pose = particles_[i].map_T_scan;
+      constexpr double kSide_rad = 2.0 * std::numbers::pi / 180.0;
+      bins.emplace(std::floor(pose.x_m / 0.1), std::floor(pose.y_m / 0.1), std::floor(pose.yaw_rad / kSide_rad));
+    }
+  }
+  const double free = static_cast<double>(bins.size()) - 1.0;
+  const double root = 1.0 - 2.0 / (9.0 * free) + std::sqrt(2.0 / (9.0 * free)) * 2.326;
+  const double needed = free < 1.0 ? 1.0 : std::ceil(free / (2.0 * params_.spread_error) * root * root * root);
+  return std::min(static_cast<std::size_t>(std::max<double>(needed, params_.particles_min)), wanted_particles_);
 }
 
 void PlainParticles::weigh(Particle& particle, const std::vector<Beam>& beams) const {
@@ -109,7 +132,9 @@ void PlainParticles::follow() {
 }
 
 void PlainParticles::map_scan(Particle& particle, const ScanFrame& scan) const {
-  integrate_scan(model_, BeamCaster(grid_, particle.map_T_scan), particle.map, scan, params_.free_no_return_m);
+  const int step = (scan.size() + params_.beams_mapped - 1) / params_.beams_mapped;
+  integrate_scan(model_, BeamCaster(grid_, particle.map_T_scan), particle.map,
+                 ScanPart(scan, updates_ % step, scan.size(), step), params_.free_no_return_m);
   particle.path.push_back({.stamp_ns = scan.stamp_ns(), .map_T_scan = particle.map_T_scan});
 }
 

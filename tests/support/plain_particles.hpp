@@ -48,6 +48,7 @@ class PlainParticles {
   [[nodiscard]] bool resampled() const { return resampled_; }
 
  private:
+  [[nodiscard]] std::size_t needed() const;
   void weigh(Particle& particle, const std::vector<Beam>& beams) const;
   void map_scan(Particle& particle, const ScanFrame& scan) const;
   /// Where the heaviest particle is not in the middle half of the window, this moves by a tile.
@@ -63,6 +64,7 @@ class PlainParticles {
   std::vector<Particle> particles_;
   std::vector<double> weights_;
   std::size_t wanted_particles_;
+  int updates_ = 0;
   bool started_ = false;
   bool resampled_ = false;
 };

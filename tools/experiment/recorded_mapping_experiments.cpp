@@ -22,6 +22,8 @@ struct SeedCounts {
 
 Run recorded_mapping(const std::string& name, Scene scene, const SeedCounts& counts, Extent extent) {
   constexpr int kQuickDivisor = 10;
+  constexpr int kAllBeams = 16384;
+  constexpr int kTiles = 65536;
   const int divisor = extent == Extent::kQuick ? kQuickDivisor : 1;
   Run run;
   run.name = name;
@@ -29,9 +31,12 @@ Run recorded_mapping(const std::string& name, Scene scene, const SeedCounts& cou
   run.scene = std::move(scene);
   run.scene.scans_max = extent == Extent::kQuick ? kQuickRecordedScans : 0;
   run.params.slam.low.particles = counts.low_particles / divisor;
+  run.params.slam.low.spread_error = 0.0;
+  run.params.slam.low.beams_mapped = kAllBeams;
   run.params.slam.high.particles = counts.high_particles / divisor;
   run.params.slam.low.grid.resolution_m = counts.resolution_m;
   run.params.slam.high.grid.resolution_m = counts.resolution_m;
+  run.params.slam.low.grid.tiles_max = run.params.slam.high.grid.tiles_max = kTiles;
   return run;
 }
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <ostream>
+#include <set>
 #include <string>
 
 #include "core/slam/lslam.hpp"
@@ -53,6 +54,7 @@ struct OracleCase {
   LslamParams params;
   int resamplings_least;
   std::vector<int> wanted_particles{};  ///< by turns, each for 10 updates; none: all
+  std::size_t numbers_least = 1;        ///< different numbers of particles
 
   friend void PrintTo(const OracleCase& oracle_case, std::ostream* out) { *out << oracle_case.name; }
 };
@@ -66,6 +68,7 @@ TEST_P(LslamOracle, GivesTheBitsOfParticlesThatEachCopyTheirMap) {
   SimulatedRoom room(3);
   int resamplings = 0;
   int moves = 0;
+  std::set<int> numbers;
   for (int update = 0; update < 60; ++update) {
     room.step();
     if (!GetParam().wanted_particles.empty()) {
@@ -84,6 +87,7 @@ TEST_P(LslamOracle, GivesTheBitsOfParticlesThatEachCopyTheirMap) {
     ASSERT_EQ(report.refused_tiles, 0);
     resamplings += report.resampled ? 1 : 0;
     ASSERT_EQ(static_cast<std::size_t>(lslam.particles()), plain.particles().size());
+    numbers.insert(lslam.particles());
     for (int i = 0; i < lslam.particles(); ++i) {
       const auto index = static_cast<std::size_t>(i);
       ASSERT_TRUE(same_pose(lslam.pose(i), plain.particles()[index].map_T_scan)) << update << ", particle " << i;
@@ -97,6 +101,7 @@ TEST_P(LslamOracle, GivesTheBitsOfParticlesThatEachCopyTheirMap) {
   expect_same_path(path, plain.particles()[static_cast<std::size_t>(lslam.best())].path);
   EXPECT_GE(resamplings, GetParam().resamplings_least);
   EXPECT_GT(moves, 0) << "of the window";
+  EXPECT_GE(numbers.size(), GetParam().numbers_least);
 }
 
 std::vector<OracleCase> oracle_cases() {
@@ -112,7 +117,13 @@ std::vector<OracleCase> oracle_cases() {
   refined.params.weigh_no_return = true;
   refined.params.free_no_return_m = 2.0;
   OracleCase changing{"ChangesTheirNumber", small_filter(), 5, {24, 7, 1, 16}};
-  return {often, always, rarely, one, refined, changing};
+  OracleCase spread{"HasAsManyAsTheirSpreadNeeds", small_filter(), 10};
+  spread.params.particles_min = 4;
+  spread.params.spread_error = 0.4;
+  spread.numbers_least = 4;
+  OracleCase thin{"MapsAThirdOfTheBeamsByTurns", small_filter(), 5};
+  thin.params.beams_mapped = 20;
+  return {often, always, rarely, one, refined, changing, spread, thin};
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LslamOracle, ::testing::ValuesIn(oracle_cases()),
