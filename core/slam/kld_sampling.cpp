@@ -9,23 +9,23 @@
 
 namespace odoless {
 
-KldSampling::KldSampling(int particles_max) { keys_.reserve(static_cast<std::size_t>(particles_max)); }
+KldSampling::KldSampling(int particles_max) : keys_(static_cast<std::size_t>(particles_max)) {}
 
 int KldSampling::bins(std::span<const Pose2> poses, std::span<const double> weights) {
   constexpr double kSide_m = 0.1;
   constexpr double kSide_rad = 2.0 * std::numbers::pi / 180.0;
   constexpr double kFar = 1e9;
-  ODOLESS_CHECK(poses.size() <= keys_.capacity() && poses.size() == weights.size());
+  ODOLESS_CHECK(poses.size() <= keys_.size() && poses.size() == weights.size());
   const auto bin = [=](double x) { return static_cast<int>(std::floor(std::clamp(x, -kFar, kFar))); };
   const double kept = 0.5 / static_cast<double>(poses.size());
-  keys_.clear();
+  auto end = keys_.begin();
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (weights[i] >= kept) {
-      keys_.push_back({bin(poses[i].x_m / kSide_m), bin(poses[i].y_m / kSide_m), bin(poses[i].yaw_rad / kSide_rad)});
+      *end++ = {bin(poses[i].x_m / kSide_m), bin(poses[i].y_m / kSide_m), bin(poses[i].yaw_rad / kSide_rad)};
     }
   }
-  std::sort(keys_.begin(), keys_.end());
-  return static_cast<int>(std::distance(keys_.begin(), std::unique(keys_.begin(), keys_.end())));
+  std::sort(keys_.begin(), end);
+  return static_cast<int>(std::distance(keys_.begin(), std::unique(keys_.begin(), end)));
 }
 
 int KldSampling::particles_for(int bins, double error) {

@@ -31,7 +31,7 @@ class KldSampling {
  private:
   using Key = std::array<int, 3>;
 
-  std::vector<Key> keys_;
+  std::vector<Key> keys_;  ///< as many as there can be particles: a copy has room too
 };
 
 }  // namespace odoless

@@ -41,6 +41,12 @@ TEST(KldSampling, LeavesOutWhatAResamplingWouldRatherDrop) {
   EXPECT_EQ(bins_of({{0.0, 0.0, 0.0}, {5.0, 0.0, 0.0}}, {0.7, 0.3}), 2);
 }
 
+TEST(KldSampling, ACopyHasRoomToo) {
+  const KldSampling kld(2);
+  KldSampling copy = kld;
+  EXPECT_EQ(copy.bins(std::vector<Pose2>{{}, {1.0, 0.0, 0.0}}, std::vector<double>{0.5, 0.5}), 2);
+}
+
 TEST(KldSampling, TakesPosesThatAreVeryFar) {
   EXPECT_EQ(bins_of({{1e300, -1e300, 1e300}, {-1e300, 1e300, 0.0}}, {0.5, 0.5}), 2);
 }
