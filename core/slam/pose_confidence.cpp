@@ -7,14 +7,15 @@
 namespace odoless {
 namespace {
 
-constexpr double kLeast = 1e-9;  // no state is ever impossible
+constexpr double kLeast = 1e-9;            // no state is ever impossible
+constexpr double kJump_shows_in_s = 60.0;  // a jump that the scans have not contradicted for longer was none
 
 }  // namespace
 
 void PoseConfidence::find() {
   right_ = params_.found_probability;
   drifted_ = 0.0;
-  jumped_ = 1.0 - right_;
+  jumped_ = wrong_step_ = 1.0 - right_;
 }
 
 void PoseConfidence::confirm() {
@@ -36,6 +37,8 @@ void PoseConfidence::lose_track() {
 
 void PoseConfidence::move(double step_probability, double travel_m, double period_s) {
   const double wrong = 1.0 - std::clamp(step_probability, 0.0, 1.0);
+  wrong_step_ *= std::max(0.0, 1.0 - std::max(0.0, period_s) / kJump_shows_in_s);
+  wrong_step_ += wrong * (1.0 - wrong_step_);
   const double drifting = std::min(1.0, params_.drift_per_m * travel_m) * right_;
   const double mending = std::min(1.0, params_.mend_per_s * period_s) * drifted_;
   right_ += mending - drifting;

@@ -79,6 +79,9 @@ class PoseConfidence {
   /// Probabilities; with that of a drifted pose they sum to 1.
   [[nodiscard]] double right() const { return right_; }
   [[nodiscard]] double jumped() const { return jumped_; }
+  /// That a step of about the last minute was wrong, whatever the scans say: what speaks for a place that the steps do
+  /// not lead to.
+  [[nodiscard]] double wrong_step() const { return wrong_step_; }
 
  private:
   void normalise();
@@ -87,6 +90,7 @@ class PoseConfidence {
   double right_ = 1.0;
   double drifted_ = 0.0;
   double jumped_ = 0.0;
+  double wrong_step_ = 0.0;
 };
 
 }  // namespace odoless

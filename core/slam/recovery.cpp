@@ -7,7 +7,8 @@
 namespace odoless {
 namespace {
 
-constexpr double kSuspect = 0.05;  // probability of a jump from which on another place is looked for
+constexpr double kSuspect = 0.05;        // probability of a jump from which on another place is looked for
+constexpr double kElsewhere_min = 0.01;  // that a step was wrong, for a place that the steps do not lead to
 constexpr double kAmbiguous =
     0.7;  // weight of a motion against its alternatives below which it is taken for one of them
 constexpr double kKnown_min = 0.2;  // share of beams below which a fit in what is known tells little
@@ -125,12 +126,18 @@ void Recovery::verify(Slam& slam, const TrackedScan& tracked) {
     return;
   }
   if (clearly_apart(to_search_point(*map_T_scan), to_search_point(believed_map_T_scan))) {
-    confidence_.contradict();
+    if (may_be_elsewhere()) {
+      confidence_.contradict();
+    }
   } else {
     suspected_ = false;
     confidence_.confirm();
   }
 }
+
+// Where every step was right the map has drifted: the right place is not where it has it, but a twin of it may be in
+// it.
+bool Recovery::may_be_elsewhere() const { return confidence_.wrong_step() >= kElsewhere_min; }
 
 void Recovery::lose() {
   lost_ = true;
@@ -164,7 +171,7 @@ Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
     return Advice::kHold;
   }
   const std::optional<Pose2> map_T_scan = relocaliser_.process(slam, tracked.scan, std::nullopt);
-  if (!map_T_scan) {
+  if (!map_T_scan || !may_be_elsewhere()) {
     if (!has_waited_enough(tracked)) {
       return Advice::kHold;
     }

@@ -73,6 +73,7 @@ class Recovery {
   /// In the best particle's map; in that which it fits best where it does not fit.
   [[nodiscard]] Fit fit_of(Lslam& low, const Pose2& update_T_scan) const;
   [[nodiscard]] bool may_be_mapped() const;
+  [[nodiscard]] bool may_be_elsewhere() const;
   void lose();
   [[nodiscard]] Advice look_for_it(Slam& slam, const TrackedScan& tracked);
   [[nodiscard]] bool is_suspect(const Motion& motion) const;

@@ -83,6 +83,18 @@ TEST(PoseConfidence, CountsScansByTheirTime) {
   EXPECT_NEAR(slow.right(), fast.right(), 1e-9);
 }
 
+TEST(PoseConfidence, TellsForAboutAMinuteThatAStepMayHaveBeenWrong) {
+  PoseConfidence confidence{{}};
+  scans(300, 0.3, confidence);
+  EXPECT_EQ(confidence.wrong_step(), 0.0) << "whatever the scans say";
+  confidence.move(0.9, 0.1, kPeriod_s);
+  EXPECT_NEAR(confidence.wrong_step(), 0.1, 1e-9);
+  scans(300, 1.0, confidence);
+  EXPECT_NEAR(confidence.wrong_step(), 0.1 * std::exp(-1.0), 1e-3);
+  confidence.find();
+  EXPECT_EQ(confidence.wrong_step(), 0.5) << "nor need a place that was found be the right one";
+}
+
 TEST(PoseConfidence, AnotherPlaceThatAloneFitsSpeaksAgainstIt) {
   PoseConfidence confidence{{}};
   confidence.move(0.8, 0.0, 0.0);
