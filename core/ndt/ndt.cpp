@@ -48,12 +48,14 @@ Ndt::Ndt(const NdtParams& params, int points_max) : params_(params), inverse_cel
   side_cells_ = static_cast<int>(std::ceil(2.0 * params.extent_m * inverse_cell_size_)) + 2;
   const auto slots =
       std::size_t{kGrids} * static_cast<std::size_t>(side_cells_) * static_cast<std::size_t>(side_cells_);
-  const std::size_t most_touched = std::min(slots, static_cast<std::size_t>(kGrids * points_max));
+  const std::size_t most_touched =
+      std::min({slots, std::size_t{kCells_max}, static_cast<std::size_t>(kGrids * points_max)});
   slot_sum_.assign(slots, kNone);
   slot_cell_.assign(slots, kNone);
   sums_.resize(most_touched);
   touched_.resize(most_touched);
-  const std::size_t most_cells = std::min(slots, static_cast<std::size_t>(kGrids * points_max / params.points_min));
+  const std::size_t most_cells =
+      std::min(most_touched, static_cast<std::size_t>(kGrids * points_max / params.points_min));
   cells_.resize(most_cells);
   information_.resize(most_cells);
 }

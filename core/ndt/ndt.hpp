@@ -73,11 +73,13 @@ struct NdtDerivatives {
 class Ndt {
  public:
   static constexpr int kGrids = 4;
+  static constexpr int kCells_max = 16384;      ///< of all four: 2 km of walls in cells of 0.5 m
   static constexpr double kAxis_sd_rad = 0.03;  ///< of a cell's long axis, see NdtDerivatives::held
 
   Ndt(const NdtParams& params, int points_max);
 
-  /// Replaces the reference by `points`; what lies a cell or more beyond `extent_m` is ignored.
+  /// Replaces the reference by `points`; what lies a cell or more beyond `extent_m` is ignored, and so is what would be
+  /// in more than `kCells_max` cells.
   void rebuild(const PointSet& points);
   /// The same in slices: `begin_rebuild`, then `rebuild_slice` of the same points until it says that all is done. In
   /// between nothing else may be asked.

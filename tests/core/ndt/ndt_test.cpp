@@ -176,6 +176,30 @@ TEST(Ndt, IgnoresPointsOutside) {
   EXPECT_EQ(plain.score(inside, {std::nan(""), 0.0, 0.0}), 0.0);
 }
 
+// As of foliage or noise, which fill the whole square.
+TEST(Ndt, LeavesOutWhatIsInMoreCellsThanItHasRoomFor) {
+  constexpr int kSide = 100;
+  const NdtParams params{.cell_size_m = 0.5};
+  PointSet all(3 * kSide * kSide);
+  PointSet first(all.capacity());
+  for (int heap = 0; heap < kSide * kSide; ++heap) {
+    for (int i = 0; i < 3; ++i) {  // each in four cells of its own, or shared with a neighbour
+      const Point2 p{0.5 * (heap % kSide) - 25.0 + 0.02 * i, 0.5 * (heap / kSide) - 25.0 + 0.03 * (i % 2)};
+      all.push_back(p);
+      if (heap < kSide * kSide / 4) {
+        first.push_back(p);
+      }
+    }
+  }
+  Ndt full(params, all.capacity());
+  Ndt part(params, all.capacity());
+  full.rebuild(all);
+  part.rebuild(first);
+  EXPECT_EQ(full.cells().size(), static_cast<std::size_t>(Ndt::kCells_max));
+  EXPECT_LT(part.cells().size(), full.cells().size());
+  EXPECT_NEAR(full.score(first, {}), part.score(first, {}), 1e-9 * part.score(first, {}));
+}
+
 TEST(Ndt, RebuildingTwiceOrAfterSomethingElseIsRebuildingOnce) {
   Rng rng(6);
   const PointSet first = random_points(300, 9.0, rng);
