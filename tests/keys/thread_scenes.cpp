@@ -222,7 +222,7 @@ std::vector<KeyClass> thread_classes() {
   const auto memory_scenes = [] {
     return std::vector<Scene>{{"memory",
                                {kLittle, "scan.beams_max = 2048\nslam.high.particles = 10",
-                                "graph = { keyframes_max = 2000, references = 1 }"},
+                                "graph = { keyframes_max = 2400, references = 1 }"},
                                reserved}};
   };
   return {{"pipeline", {"pipeline.", "lcm.map_refresh"}, pipeline_scenes, lack_of_real_time},
