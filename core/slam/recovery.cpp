@@ -135,8 +135,7 @@ void Recovery::verify(Slam& slam, const TrackedScan& tracked) {
   }
 }
 
-// Where every step was right the map has drifted: the right place is not where it has it, but a twin of it may be in
-// it.
+// Where every step was right the map has drifted: it lacks the right place, but it may have a twin of it.
 bool Recovery::may_be_elsewhere() const { return confidence_.wrong_step() >= kElsewhere_min; }
 
 void Recovery::lose() {

@@ -106,8 +106,7 @@ TEST_F(RecoveryTest, IsLostAfterAStepThatIsSurelyWrongAndMapsNothing) {
   EXPECT_EQ(recovery_.probability(), 0.0);
 }
 
-// As at the end of a long loop, where the map has drifted: a place that fits may be a twin of the right one, which it
-// lacks.
+// As at the end of a long loop, where the map has drifted: it lacks the right place, and may have a twin of it.
 TEST_F(RecoveryTest, BelievesInAnotherPlaceOnlyWhereAStepMayHaveBeenWrong) {
   params_.search.rival_ratio = 1.0;  // the room has a twin for few beams
   for (const double probability : {1.0, 0.98}) {
