@@ -30,20 +30,22 @@ AncestryGrid::AncestryGrid(const AncestryGridParams& params, int particles_max)
       tile_rows_(tiles_over(params.height_m, params.resolution_m)),
       geometry_{.resolution_m = params.resolution_m, .columns = cells_of(tile_columns_), .rows = cells_of(tile_rows_)},
       tree_(particles_max),
-      leaves_max_(static_cast<std::size_t>(particles_max)) {
+      leaves_max_(static_cast<std::size_t>(particles_max)),
+      versions_max_(static_cast<std::size_t>(params.tiles_max) + kFirstVersion) {
   ODOLESS_CHECK(parameters_in_range(params));
-  const std::size_t versions = static_cast<std::size_t>(params.tiles_max) + kFirstVersion;
   const std::size_t tiles = std::size_t{tile_columns_} * tile_rows_;
-  tiles_.resize(versions);
-  versions_.resize(versions);
-  free_.reserve(versions);
+  tiles_.reserve(versions_max_);
+  tiles_.resize(kFirstVersion);
+  versions_.reserve(versions_max_);
+  versions_.resize(kFirstVersion);
+  free_.reserve(versions_max_);
   first_of_tile_.resize(tiles);
   owned_.resize(static_cast<std::size_t>(tree_.nodes_max()));
   owner_of_node_.resize(owned_.size());
   node_of_owner_.resize(owned_.size());
   answers_of_tile_.resize(tiles);
   answered_.reserve(tiles);
-  answers_.resize(tiles * leaves_max_);
+  answers_.reserve(tiles * leaves_max_);
   written_m_.resize(tiles);
   reset();
 }
@@ -149,6 +151,7 @@ std::size_t AncestryGrid::memory_bytes() const {
 void AncestryGrid::answer(std::uint32_t tile) {
   answered_.push_back(tile);
   answers_of_tile_[tile] = static_cast<std::uint32_t>(answered_.size());
+  answers_.resize(std::max(answers_.size(), answered_.size() * leaves_max_));
   Version* const row = &answers_[(answered_.size() - 1) * leaves_max_];
   std::fill_n(row, leaves_max_, kBlank);
   Version last = first_of_tile_[tile];
@@ -176,12 +179,11 @@ AncestryGrid::Version AncestryGrid::own_version(std::uint32_t tile, Node leaf, s
   if (version != kBlank && versions_[version].owner == owner) {
     return version;
   }
-  if (free_.empty()) {
+  if (free_.empty() && versions_.size() == versions_max_) {
     ++counters_.refused_tiles;
     return kWaste;
   }
-  const Version own = free_.back();
-  free_.pop_back();
+  const Version own = unused_version();
   tiles_[own] = tiles_[version];
   link_to_tile(own, tile);
   link_to_owner(own, owner);
@@ -190,6 +192,17 @@ AncestryGrid::Version AncestryGrid::own_version(std::uint32_t tile, Node leaf, s
 }
 
 /// In front of the tile's list: a leaf is nobody's ancestor.
+AncestryGrid::Version AncestryGrid::unused_version() {
+  if (free_.empty()) {
+    tiles_.emplace_back();
+    versions_.emplace_back();
+    return static_cast<Version>(versions_.size() - 1);
+  }
+  const Version version = free_.back();
+  free_.pop_back();
+  return version;
+}
+
 void AncestryGrid::link_to_tile(Version version, std::uint32_t tile) {
   Entry& entry = versions_[version];
   entry.tile = tile;

@@ -155,6 +155,7 @@ class AncestryGrid {
   void answer(std::uint32_t tile);
   void forget_answers();
   [[nodiscard]] Version own_version(std::uint32_t tile, Node leaf, std::uint32_t rank);
+  [[nodiscard]] Version unused_version();
   void link_to_tile(Version version, std::uint32_t tile);
   void unlink_from_tile(Version version);
   void link_to_owner(Version version, Owner owner);
@@ -169,16 +170,17 @@ class AncestryGrid {
   GridGeometry geometry_;
   AncestryTree tree_;
   std::size_t leaves_max_;
-  std::vector<Tile> tiles_;      ///< by version
+  std::size_t versions_max_;
+  std::vector<Tile> tiles_;      ///< by version; those never used yet are not in it, and not touched
   std::vector<Entry> versions_;  ///< by version
-  std::vector<Version> free_;
+  std::vector<Version> free_;    ///< of those in it
   std::vector<Version> first_of_tile_;
   std::vector<OwnedTiles> owned_;               ///< by owner
   std::vector<Owner> owner_of_node_;            ///< a permutation,
   std::vector<Node> node_of_owner_;             ///< and its inverse
   std::vector<std::uint32_t> answers_of_tile_;  ///< 0: none yet, else 1 + its row in answers_
   std::vector<std::uint32_t> answered_;         ///< tiles that have answers
-  std::vector<Version> answers_;                ///< rows of versions, by rank of the leaf
+  std::vector<Version> answers_;                ///< rows of versions, by rank of the leaf; as many as were ever needed
   std::vector<float> written_m_;                ///< by tile: travel at the last observation
   double travel_m_ = 0.0;
   std::uint32_t next_to_forget_ = 0;

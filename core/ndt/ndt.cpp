@@ -48,16 +48,14 @@ Ndt::Ndt(const NdtParams& params, int points_max) : params_(params), inverse_cel
   side_cells_ = static_cast<int>(std::ceil(2.0 * params.extent_m * inverse_cell_size_)) + 2;
   const auto slots =
       std::size_t{kGrids} * static_cast<std::size_t>(side_cells_) * static_cast<std::size_t>(side_cells_);
-  const std::size_t most_touched =
-      std::min({slots, std::size_t{kCells_max}, static_cast<std::size_t>(kGrids * points_max)});
+  touched_max_ = std::min({slots, std::size_t{kCells_max}, static_cast<std::size_t>(kGrids * points_max)});
   slot_sum_.assign(slots, kNone);
   slot_cell_.assign(slots, kNone);
-  sums_.resize(most_touched);
-  touched_.resize(most_touched);
-  const std::size_t most_cells =
-      std::min(most_touched, static_cast<std::size_t>(kGrids * points_max / params.points_min));
-  cells_.resize(most_cells);
-  information_.resize(most_cells);
+  sums_.reserve(touched_max_);
+  touched_.reserve(touched_max_);
+  cells_max_ = std::min(touched_max_, static_cast<std::size_t>(kGrids * points_max / params.points_min));
+  cells_.reserve(cells_max_);
+  information_.reserve(cells_max_);
 }
 
 int Ndt::slot(int grid, double x_m, double y_m) const {
@@ -92,30 +90,34 @@ void Ndt::begin_rebuild() {
 }
 
 bool Ndt::rebuild_slice(const PointSet& points, int most) {
-  const auto ended = [&](int count, auto&& step) {  // as many of a stage's steps as the slice has left
+  const auto ended = [&](std::size_t count, auto&& step) {  // as many of a stage's steps as the slice has left
     for (; next_ < count && most > 0; ++next_, --most) {
       step(next_);
     }
     return next_ == count;
   };
-  if (stage_ == Stage::kForget && ended(touched_count_, [this](int i) { forget(i); })) {
-    touched_count_ = cell_count_ = next_ = 0;
+  if (stage_ == Stage::kForget && ended(touched_.size(), [this](std::size_t i) { forget(touched_[i]); })) {
+    touched_.clear();
+    sums_.clear();
+    cells_.clear();
+    information_.clear();
+    next_ = 0;
     stage_ = Stage::kGather;
   }
-  if (stage_ == Stage::kGather && ended(points.size(), [&](int i) { gather(points[i]); })) {
+  if (stage_ == Stage::kGather &&
+      ended(static_cast<std::size_t>(points.size()), [&](std::size_t i) { gather(points[static_cast<int>(i)]); })) {
     next_ = 0;
     stage_ = Stage::kFinish;
   }
-  if (stage_ == Stage::kFinish && ended(touched_count_, [this](int i) { finish(i); })) {
+  if (stage_ == Stage::kFinish && ended(touched_.size(), [this](std::size_t i) { finish(touched_[i], sums_[i]); })) {
     stage_ = Stage::kDone;
   }
   return stage_ == Stage::kDone;
 }
 
-void Ndt::forget(int touched) {
-  const auto index = static_cast<std::size_t>(touched_[static_cast<std::size_t>(touched)]);
-  slot_sum_[index] = kNone;
-  slot_cell_[index] = kNone;
+void Ndt::forget(int slot_index) {
+  slot_sum_[static_cast<std::size_t>(slot_index)] = kNone;
+  slot_cell_[static_cast<std::size_t>(slot_index)] = kNone;
 }
 
 void Ndt::gather(const Point2& p) {
@@ -126,12 +128,12 @@ void Ndt::gather(const Point2& p) {
     }
     std::int32_t& sum_index = slot_sum_[static_cast<std::size_t>(index)];
     if (sum_index == kNone) {
-      if (touched_count_ == static_cast<int>(touched_.size())) {
+      if (touched_.size() == touched_max_) {
         continue;
       }
-      sum_index = touched_count_;
-      touched_[static_cast<std::size_t>(touched_count_)] = index;
-      sums_[static_cast<std::size_t>(touched_count_++)] = {.corner = slot_corner(index)};
+      sum_index = static_cast<std::int32_t>(touched_.size());
+      touched_.push_back(index);
+      sums_.push_back({.corner = slot_corner(index)});
     }
     Sums& sum = sums_[static_cast<std::size_t>(sum_index)];
     const double x = p.x_m - sum.corner.x_m;
@@ -145,26 +147,22 @@ void Ndt::gather(const Point2& p) {
   }
 }
 
-void Ndt::finish(int touched) {
-  const Sums& sum = sums_[static_cast<std::size_t>(touched)];
-  if (sum.points < params_.points_min || cell_count_ == static_cast<int>(cells_.size())) {
+void Ndt::finish(int slot_index, const Sums& sum) {
+  if (sum.points < params_.points_min || cells_.size() == cells_max_) {
     return;
   }
-  const int index = touched_[static_cast<std::size_t>(touched)];
   const double n = sum.points;
   const double x = sum.x / n;
   const double y = sum.y / n;
   const double scale = 1.0 / (n - 1.0);
-  PlacedCell& placed = cells_[static_cast<std::size_t>(cell_count_)];
-  placed.corner = sum.corner;
-  placed.cell = {{placed.corner.x_m + x, placed.corner.y_m + y},
-                 (sum.xx - n * x * x) * scale,
-                 (sum.xy - n * x * y) * scale,
-                 (sum.yy - n * y * y) * scale,
-                 sum.points};
-  information_[static_cast<std::size_t>(cell_count_)] =
-      mended_information(placed.cell, params_.sigma_min_m, params_.sigma_ratio_min);
-  slot_cell_[static_cast<std::size_t>(index)] = cell_count_++;
+  const NdtCell cell{{sum.corner.x_m + x, sum.corner.y_m + y},
+                     (sum.xx - n * x * x) * scale,
+                     (sum.xy - n * x * y) * scale,
+                     (sum.yy - n * y * y) * scale,
+                     sum.points};
+  slot_cell_[static_cast<std::size_t>(slot_index)] = static_cast<std::int32_t>(cells_.size());
+  cells_.push_back({cell, sum.corner});
+  information_.push_back(mended_information(cell, params_.sigma_min_m, params_.sigma_ratio_min));
 }
 
 double Ndt::score(const PointSet& points, const Pose2& reference_T_points) const {

@@ -68,8 +68,9 @@ struct NdtDerivatives {
 
 /// Normal Distributions Transform of a point set: four grids, shifted by half a cell [biber2003ndt; method 2].
 ///
-/// Memory is fixed at construction. Thread: owned by one thread. Real time: no allocation; `rebuild` is linear in the
-/// points and in the cells that they touch, also in slices; `score` in the points.
+/// Memory is fixed at construction, but for a copy's, which grows as it is used. Thread: owned by one thread.
+/// Real time: no allocation, but in a copy; `rebuild` is linear in the points and in the cells that they touch, also in
+/// slices; `score` in the points.
 class Ndt {
  public:
   static constexpr int kGrids = 4;
@@ -98,9 +99,7 @@ class Ndt {
     NdtCell cell;
     Point2 corner;  ///< lower-left corner, reference frame
   };
-  [[nodiscard]] std::span<const PlacedCell> cells() const {
-    return {cells_.data(), static_cast<std::size_t>(cell_count_)};
-  }
+  [[nodiscard]] std::span<const PlacedCell> cells() const { return cells_; }
   [[nodiscard]] const NdtParams& params() const { return params_; }
 
  private:
@@ -114,17 +113,17 @@ class Ndt {
 
   [[nodiscard]] int slot(int grid, double x_m, double y_m) const;
   [[nodiscard]] Point2 slot_corner(int slot_index) const;
-  void forget(int touched);
+  void forget(int slot_index);
   void gather(const Point2& p);
-  void finish(int touched);
+  void finish(int slot_index, const Sums& sum);
 
   NdtParams params_;
   double inverse_cell_size_ = 1.0;
   int side_cells_ = 0;
-  int touched_count_ = 0;
-  int cell_count_ = 0;
+  std::size_t touched_max_ = 0;
+  std::size_t cells_max_ = 0;
   Stage stage_ = Stage::kDone;           ///< of a rebuild
-  int next_ = 0;                         ///< in this stage
+  std::size_t next_ = 0;                 ///< in this stage
   std::vector<Sums> sums_;               ///< per touched slot
   std::vector<std::int32_t> touched_;    ///< slots that hold points
   std::vector<std::int32_t> slot_sum_;   ///< slot -> index into sums_, or kNone

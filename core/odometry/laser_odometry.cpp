@@ -46,7 +46,7 @@ LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const RobotLimit
       limits_(limits),
       matcher_(matcher),
       map_{MatchReference(params.local_map, matcher.points_max * params.key_scans)},
-      next_map_(map_),
+      next_map_{MatchReference(params.local_map, matcher.points_max * params.key_scans)},
       keys_(static_cast<std::size_t>(params.key_scans), KeyScan{ScanFrame(scan), {}}),
       placed_(static_cast<std::size_t>(params.key_scans)) {
   ODOLESS_CHECK(parameters_in_range(params) && parameters_in_range(limits));
