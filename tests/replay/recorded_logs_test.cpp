@@ -95,7 +95,7 @@ TEST(RecordedMaps, OfFr079CloseTheirLoopsFasterThanRecordedInLittleMemory) {
   EXPECT_LE(errors.errors.translation_m.mean, 0.046) << report(errors).text;
   EXPECT_LE(to_deg(errors.errors.rotation_rad.mean), 0.5);
   EXPECT_GE(result.log_duration_s / cpu_s, 5.0);
-  EXPECT_LT(ResourceMeter::peak_rss_bytes(), 300'000'000);
+  EXPECT_LT(ResourceMeter::peak_rss_bytes(), 100'000'000);
 }
 
 // Fast turns, a gap of 3 s and long corridors, which make one loop.
