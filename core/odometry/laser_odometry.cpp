@@ -72,9 +72,11 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   copy_figures(match.ok() ? match.value() : MatchResult{}, motion);
   motion.set(kMatched, match.ok());
   motion.set(kJolted, match.ok() && unobserved_s < kHole_s && motion.score < params_.poor_share * usual_score_.value());
-  // The first scan is where the run begins; and what matches poorly tells nothing of the motion.
+  // The first scan is where the run begins. A jolted scan's match tells more of the motion than the speed does if
+  // accelerations allow it, and nothing else [core/slam/DECISIONS.md, D21].
   Estimate estimate{prediction.odom_T_scan, started_ ? prediction.error : ErrorProcess{}};
-  if (match.ok() && !motion.has(kJolted)) {
+  if (match.ok() && (!motion.has(kJolted) ||
+                     are_within(key_T_scan, match.value().reference_T_scan, reach.distance_m, reach.rotation_rad))) {
     estimate = corrected(prediction, odom_T_key, match.value());
   }
   estimate.error.initial = covariance_;

@@ -54,12 +54,12 @@ struct LaserOdometryParams {
                 "Standard deviation of the change of speed within 1 s (process noise, a random walk).");
     visit.value("speed_error_max_mps", self.speed_error_max_mps, Range{0.01, 100.0},
                 "Upper bound of the speed's standard deviation, for long times without a constraint on it.");
-    visit.value("poor_share", self.poor_share, Range{0.0, 1.0},
-                "Score of a match, as a share of the usual score, below which it is not used: the robot may have been "
-                "carried.");
+    visit.value(
+        "poor_share", self.poor_share, Range{0.0, 1.0},
+        "Score of a match, as a share of the usual score, below which it is used only if accelerations allow that "
+        "motion: the robot may have been carried.");
     visit.value("poor_scans", self.poor_scans, Range{1, 1000},
-                "Number of such matches in a row after which the local map is reset; until then the last speed "
-                "predicts the motion.");
+                "Number of such matches in a row after which the local map is reset.");
     visit.value("period_min_s", self.period_min_s, Range{0.001, 10.0},
                 "Shortest time between two scans; nearer stamps count as this far apart.");
   }

@@ -34,6 +34,7 @@ class OdometryDrive {
   // The same in another scene.
   const Motion& step_in(const SimulatedScene& scene, const Pose2& motion) { return seen(scene, motion, kPeriod_ns); }
 
+  [[nodiscard]] Pose2 map_T_scan() const { return map_T_scan_; }
   [[nodiscard]] Pose2 truth() const { return map_T_start_.inverse() * map_T_scan_; }
   [[nodiscard]] Pose2 estimate() const { return last_.odom_T_current; }
   [[nodiscard]] const Motion& last() const { return last_; }
@@ -249,6 +250,24 @@ TEST(LaserOdometry, ErrorsInACorridorAreWithinTwoStatedDeviations) {
     EXPECT_LT(along, 2.0 * 2.0);
     EXPECT_GT(along, 0.02) << "not doubtful beyond reason";
     EXPECT_LT(across, 1.5);
+  }
+}
+
+// A turn ends just where others hide most of the room: what little is left to match tells more of it than the speed.
+TEST(LaserOdometry, AJoltedScanTellsMoreThanTheSpeedWhereATurnMayHaveEnded) {
+  OdometryDrive drive(cluttered_room(), {-0.8, -1.2, 0.0});
+  for (int i = 0; i < 60; ++i) {
+    drive.step(motion_of_square(i));
+  }
+  SimulatedScene crowded = cluttered_room();
+  for (int i = 0; i < 13; ++i) {
+    const Pose2 map_T_person =
+        drive.map_T_scan() * Pose2{0.0, 0.0, 0.35 * (i - 5)} * Pose2{0.9 + 0.1 * (i % 3), 0.0, 0.0};
+    crowded.add_box(map_T_person, 0.3, 0.3);
+  }
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(drive.step_in(crowded, {}).has(kJolted)) << i;
+    drive.expect_on_track(0.1, 2.0 * kRadPerDeg);
   }
 }
 
