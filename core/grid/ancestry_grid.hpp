@@ -50,7 +50,7 @@ struct AncestryGridParams {
 ///            pool lasts. When it is full, observations in tiles that have no version of the particle's own are refused
 ///            and counted, for as long as it is full.
 /// Thread:    owned by one thread.
-/// Real time: no allocation after construction.
+/// Real time: no allocation after construction, but in a copy, which grows as it is used.
 class AncestryGrid {
  public:
   static constexpr int kTileBits = 4;
