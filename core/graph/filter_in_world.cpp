@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/pose2_covariance.hpp"
+#include "core/slam/lslam.hpp"
+
 namespace odoless {
 namespace {
 
@@ -13,6 +16,9 @@ constexpr double kAgreement_m = 0.25;  // of graph and filter: a degree is five 
 constexpr double kAgreement_rad = 0.02;
 constexpr double kReach_m = 6.0;    // from a submap's origin
 constexpr std::size_t kNewest = 4;  // submaps that the filter may have had elsewhere before the jump
+// Constraints state what a search for a loop must allow for. Of that, drives in simulated buildings err by 0.03 to 0.3
+// in 95 of 100 scans: twice this.
+constexpr double kDrift_share = 0.15;
 
 /// Whether a loop closure holds a submap from there on by one from before.
 bool is_found_since(const PoseGraph& graph, int submap) {
@@ -25,7 +31,10 @@ bool is_found_since(const PoseGraph& graph, int submap) {
 }  // namespace
 
 FilterInWorld::FilterInWorld(const GraphParams& params) {
-  places_.reserve(static_cast<std::size_t>(params.submaps_max));
+  const auto submaps = static_cast<std::size_t>(params.submaps_max);
+  places_.reserve(submaps);
+  projection_.covariances.reserve(submaps);
+  projection_.costs.reserve(submaps);
 }
 
 void FilterInWorld::update(const SubmapGraph& graph) {
@@ -38,7 +47,13 @@ void FilterInWorld::update(const SubmapGraph& graph) {
     claim_ = first_ == graph.first_submap() ? claim_ : std::nullopt;
     first_ = graph.first_submap();
     places_.resize(graph.submaps().size() - first_);
+    if (!places_.empty()) {
+      graph.graph().project_from(0, std::max(1, static_cast<int>(first_)), projection_);
+    }
     for (std::size_t i = 0; i < places_.size(); ++i) {
+      const bool is_joined = projection_.costs[first_ + i] < PoseGraph::kUnreached;
+      places_[i].drift = is_joined ? Eigen::Matrix3d(kDrift_share * kDrift_share * projection_.covariances[first_ + i])
+                                   : Eigen::Matrix3d::Zero();
       places_[i].map_T_submap = graph.graph().pose(static_cast<int>(first_ + i));
       places_[i].local_T_submap = graph.submaps()[first_ + i].local_T_submap;
     }
@@ -62,6 +77,7 @@ Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan)
   const bool has_jumped =
       !are_within(local_T_odom_.value_or(local_T_odom) * odom_T_scan, local_T_scan, kJump_m, kJump_rad);
   local_T_odom_ = local_T_odom;
+  drift_.setZero();
   if (guess_) {
     return *guess_;
   }
@@ -74,14 +90,24 @@ Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan)
   }
   const Pose2 newest = graph_map_T_odom_.value_or(places_.back().map_T_local() * local_T_odom);
   if (!claim_) {
-    return newest;
+    return placed(places_.back(), newest, odom_T_scan);
   }
   const Pose2 claimed = places_[*claim_].map_T_local() * local_T_odom;
   if (graph_map_T_odom_ && are_within(claimed * odom_T_scan, newest * odom_T_scan, kAgreement_m, kAgreement_rad)) {
     claim_.reset();
-    return newest;
+    return placed(places_.back(), newest, odom_T_scan);
   }
-  return claimed;
+  return placed(places_[*claim_], claimed, odom_T_scan);
+}
+
+Pose2 FilterInWorld::placed(const Place& place, const Pose2& map_T_odom, const Pose2& odom_T_scan) {
+  const Pose2 map_T_scan = map_T_odom * odom_T_scan;
+  drift_ = turned(carried(place.drift, place.map_T_submap.inverse() * map_T_scan), map_T_scan.yaw_rad);
+  return map_T_odom;
+}
+
+double FilterInWorld::within_ok() const {
+  return probability_within(drift_, PoseEstimate::kOk_m, PoseEstimate::kOk_rad);
 }
 
 std::optional<std::size_t> FilterInWorld::nearest(const Pose2& local_T_scan) const {

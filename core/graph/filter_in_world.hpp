@@ -14,6 +14,9 @@ namespace odoless {
 /// the submap that the robot is at in the filter's map, until the graph has it there too, or has closed a loop from
 /// beyond the jump. How: core/graph/README.md.
 ///
+/// And how sure that place is: what the odometry may have drifted since the map's beginning, or since a world that was
+/// there before, along the loop closures that hold.
+///
 /// Frames: map, odom; local, which is the filter's map. Memory is fixed at construction. Thread: owned by one thread.
 /// `follow` takes constant time but at a jump, when it is linear in the submaps.
 class FilterInWorld {
@@ -24,6 +27,11 @@ class FilterInWorld {
   void update(const SubmapGraph& graph);
   /// Every scan, as the filter has it. @return  map_T_odom.
   Pose2 follow(const Pose2& local_T_odom, const Pose2& odom_T_scan);
+  /// Of that scan's pose: what the drift may be, over (x_m, y_m, yaw_rad) in the map's axes; what the filter itself is
+  /// unsure of comes on top.
+  [[nodiscard]] const Eigen::Matrix3d& drift() const { return drift_; }
+  /// That it is within what OK promises.
+  [[nodiscard]] double within_ok() const;
   /// A pose of the world in the filter's own map, by the submap that is nearest to it.
   [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const;
 
@@ -31,17 +39,22 @@ class FilterInWorld {
   struct Place {
     Pose2 map_T_submap{};
     Pose2 local_T_submap{};
+    Eigen::Matrix3d drift = Eigen::Matrix3d::Zero();  ///< in the submap's axes
 
     [[nodiscard]] Pose2 map_T_local() const { return map_T_submap * local_T_submap.inverse(); }
   };
 
+  /// By that submap.
+  Pose2 placed(const Place& place, const Pose2& map_T_odom, const Pose2& odom_T_scan);
   /// The submap that the robot is at.
   [[nodiscard]] std::optional<std::size_t> nearest(const Pose2& local_T_scan) const;
   /// So many of the oldest submaps are no more.
   void forget(int submaps);
 
   std::vector<Place> places_;  ///< of the submaps of this run
-  std::size_t first_ = 0;      ///< of them
+  PoseGraph::Projection projection_;
+  Eigen::Matrix3d drift_ = Eigen::Matrix3d::Zero();
+  std::size_t first_ = 0;  ///< of them
   std::int64_t revision_ = -1;
   int forgotten_ = 0;                      ///< submaps of this run
   std::optional<Pose2> guess_;             ///< map_T_odom while this run is not joined to the world

@@ -108,13 +108,16 @@ void PoseGraph::erase(int first, int count) {
   }
 }
 
-void PoseGraph::project(int root, Projection& out) const {
+void PoseGraph::project_from(int begin, int end, Projection& out) const {
   using Entry = std::pair<double, int>;
   out.covariances.assign(poses_.size(), Eigen::Matrix3d::Zero());
   out.costs.assign(poses_.size(), kUnreached);
   std::vector<bool> is_done(poses_.size(), false);
-  std::vector<Entry> open{{0.0, root}};
-  out.costs[static_cast<std::size_t>(root)] = 0.0;
+  std::vector<Entry> open;  // a heap, as equal costs in a row are
+  for (int root = begin; root < end; ++root) {
+    open.emplace_back(0.0, root);
+    out.costs[static_cast<std::size_t>(root)] = 0.0;
+  }
   while (!open.empty()) {
     std::pop_heap(open.begin(), open.end(), std::greater<>{});
     const auto at = static_cast<std::size_t>(open.back().second);

@@ -38,7 +38,7 @@ struct Constraint {
 /// Frames: map, which begins at node 0. Thread: owned by one thread. Memory is fixed at construction.
 class PoseGraph {
  public:
-  /// Covariance of each node in one node's frame, along the path that errs least.
+  /// Covariance of each node as seen from one node, along the path that errs least.
   struct Projection {
     std::vector<Eigen::Matrix3d> covariances;
     std::vector<double> costs;  ///< kUnreached where there is no path
@@ -81,7 +81,9 @@ class PoseGraph {
 
   /// Dijkstra's shortest paths by the trace of the covariance [bosse2003atlas, section III-C; method 9]. Loop closures
   /// that don't hold lead nowhere. Time: n log n in the constraints.
-  void project(int root, Projection& out) const;
+  void project(int root, Projection& out) const { project_from(root, root + 1, out); }
+  /// The same from the nearest of several nodes, whose poses are certain.
+  void project_from(int begin, int end, Projection& out) const;
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:

@@ -166,6 +166,7 @@ void LaserOdometry::remember(const ScanFrame& scan, const Motion& motion, double
   speed_yaw_radps_ = kept * turn_between_middles_rad(scan, motion) / (period_s + motion.duration_sd_s);
   if (started_) {
     covariance_ = motion.error().after(covariance_);
+    has_speed_ = has_speed_ || motion.matched();
   }
   if (leapt) {
     forget_speed();
@@ -216,8 +217,14 @@ MotionReach LaserOdometry::expected_reach(double period_s) const {
   // At a high rate the speed itself is uncertain: a match's error is divided by a short period. An expectation that
   // shrinks with the square of the period would then hold the estimate back where the robot starts or turns.
   // Stamps that are the same or run backwards say nothing of that.
-  return reach_of(limits_,
-                  period_s > params_.period_min_s ? std::max(period_s, params_.expectation_period_min_s) : period_s);
+  const double time_s =
+      period_s > params_.period_min_s ? std::max(period_s, params_.expectation_period_min_s) : period_s;
+  MotionReach reach = reach_of(limits_, time_s);
+  if (!has_speed_) {
+    reach.distance_m = std::max(reach.distance_m, limits_.speed_max_mps * time_s);
+    reach.rotation_rad = std::max(reach.rotation_rad, limits_.turn_rate_max_radps * time_s);
+  }
+  return reach;
 }
 
 LaserOdometry::Estimate LaserOdometry::corrected(const Estimate& prediction, const Pose2& odom_T_key,

@@ -57,7 +57,8 @@ const HealthReport& HealthMonitor::update(const SensorReport& sensor, const Matc
                                                params_.deadline_memory_ns),
                          kReasonCloudFull) |
                     when(surroundings.graph && surroundings.graph->used >= 1.0, kReasonMapFull) |
-                    when(place_of(surroundings) != WorldPlaceKnown::kSure, kReasonNotInWorld);
+                    when(place_of(surroundings) != WorldPlaceKnown::kSure, kReasonNotInWorld) |
+                    when(surroundings.graph && surroundings.graph->has_drifted, kReasonDrift);
   report_.latched_reasons |= report_.reasons;
   report_.state = state_of(sensor, filter, place_of(surroundings));
   return report_;
@@ -147,7 +148,9 @@ void HealthMonitor::copy_figures(const SensorReport& sensor, const MatcherReport
   report_.particles = filter.particles;
   report_.position_sd_m = filter.position_sd_m;
   report_.yaw_sd_rad = filter.yaw_sd_rad;
-  report_.pose_probability = filter.pose_probability * kPlaceRight.at(static_cast<std::size_t>(place_of(surroundings)));
+  report_.pose_probability = filter.pose_probability *
+                             kPlaceRight.at(static_cast<std::size_t>(place_of(surroundings))) *
+                             (surroundings.graph ? surroundings.graph->undrifted : 1.0);
   report_.stages = {health_of(sensor.stage), health_of(matcher.stage), health_of(filter.stage)};
   report_.page_faults = sensor.stage.page_faults + matcher.stage.page_faults + filter.stage.page_faults;
   report_.allocations = std::min({sensor.stage.allocations, matcher.stage.allocations, filter.stage.allocations}) < 0

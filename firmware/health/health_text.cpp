@@ -12,7 +12,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<const char*, 27> kReasonTexts{"no scans",
+constexpr std::array<const char*, 28> kReasonTexts{"no scans",
                                                    "the laser cannot be opened",
                                                    "scans are refused",
                                                    "the laser sees nothing",
@@ -39,7 +39,8 @@ constexpr std::array<const char*, 27> kReasonTexts{"no scans",
                                                    "LCM messages are refused that are not authentic (lcm.key_file)"
                                                    " or not new",
                                                    "the laser sweeps as it was told, and poses come when it is level",
-                                                   "it is not sure yet where the robot is in the world of its file"};
+                                                   "it is not sure yet where the robot is in the world of its file",
+                                                   "the pose may have drifted: no loop was closed for long"};
 
 }  // namespace
 

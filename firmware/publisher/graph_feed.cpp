@@ -194,9 +194,11 @@ void GraphFeed::place(PoseRecord& pose) {
   const double turn_rad = map_T_odom.yaw_rad - pose.map_T_odom.yaw_rad;
   pose.map_T_odom = map_T_odom;
   pose.map_T_scan = map_T_odom * pose.odom_T_scan;
-  pose.covariance = rows_of<3>(turned(matrix_of<3>(pose.covariance), turn_rad));
+  pose.covariance = rows_of<3>(turned(matrix_of<3>(pose.covariance), turn_rad) + filter_->drift());
   health_.map_T_odom = map_T_odom;
   health_.place = place_;
+  health_.undrifted = filter_->within_ok();
+  health_.has_drifted = health_.undrifted < params_.recovery.tracking.sure_probability;
 }
 
 void GraphFeed::go_over(WorldUse use) {
@@ -302,7 +304,9 @@ void GraphFeed::report() {
              .is_localising = is_localising_,
              .keyframes_left_out = left_out_,
              .map_T_odom = health_.map_T_odom,
-             .place = health_.place};
+             .place = health_.place,
+             .undrifted = health_.undrifted,
+             .has_drifted = health_.has_drifted};
   place_ = graph_->is_in_world()  ? WorldPlaceKnown::kSure
            : graph_->is_guessed() ? WorldPlaceKnown::kGuessed
                                   : WorldPlaceKnown::kNo;

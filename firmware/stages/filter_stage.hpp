@@ -23,6 +23,9 @@ struct FilterStep {
   bool found = false;        ///< a lost robot, with this scan
   double unknown_s = 0.0;    ///< Recovery's, with this scan: the motion since then is not credible, whatever it says
   double fit = 1.0;          ///< ScanFit of the scan; 1 before the first update
+  /// Beside a pose graph: what the map may have drifted there (FilterInWorld::drift), and that OK ends by that alone.
+  Eigen::Matrix3d drift = Eigen::Matrix3d::Zero();
+  bool has_drifted = false;
 };
 
 /// Motion in, poses and a map out: the filter thread's work. Composes motions and updates the filter when the robot

@@ -29,7 +29,7 @@ PoseRecord pose_record_of(const FilterStep& step, const PoseEstimate& estimate, 
   record.laser = stage.laser();
   record.map_T_scan = step.map_T_scan;
   record.map_T_odom = step.map_T_odom;
-  Eigen::Map<Eigen::Matrix3d>(record.covariance.data()) = estimate.covariance;  // symmetric
+  Eigen::Map<Eigen::Matrix3d>(record.covariance.data()) = estimate.covariance + step.drift;  // symmetric
   record.update_stamp_ns = step.update_stamp_ns;
   record.update_T_scan = step.update_T_scan;
   record.effective_particles = stage.filter().effective_particles();

@@ -136,6 +136,16 @@ TEST_F(HealthMonitorTest, AFilterThatDoubtsIsToBeUsedWithCare) {
   expect(HealthState::kDegraded, kReasonDiverged);
 }
 
+TEST_F(HealthMonitorTest, AMapThatMayHaveDriftedDegradesThePoseThatIsRightInIt) {
+  filter_.pose_probability = 0.99;
+  surroundings_.graph = GraphHealth{.undrifted = 0.95};
+  expect(HealthState::kOk, 0);
+  EXPECT_NEAR(update().pose_probability, 0.94, 0.001);
+  surroundings_.graph = GraphHealth{.undrifted = 0.5, .has_drifted = true};
+  expect(HealthState::kDegraded, kReasonDrift);
+  EXPECT_NEAR(update().pose_probability, 0.495, 0.001);
+}
+
 TEST_F(HealthMonitorTest, AStageThatIsSilentIsAFault) {
   surroundings_.stage_silent = true;
   expect(HealthState::kFault, kReasonStageSilent);
@@ -237,7 +247,7 @@ TEST(HealthText, SaysWhyThePoseIsCorrectedAndWhichCorrectionsAreFar) {
 
 TEST(HealthText, EveryReasonHasItsOwnWords) {
   std::string before;
-  for (std::uint32_t reason = 1; reason <= kReasonNotInWorld; reason <<= 1U) {
+  for (std::uint32_t reason = 1; reason <= kReasonDrift; reason <<= 1U) {
     const std::string text = reasons_text(reason);
     EXPECT_FALSE(text.empty()) << reason;
     EXPECT_NE(text, before);

@@ -69,6 +69,7 @@ TEST(LcmTypes, NameHealthAsTheRecordsDo) {
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_NOT_AUTHENTIC), kReasonNotAuthentic);
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_SWEEP), kReasonSweep);
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_NOT_IN_WORLD), kReasonNotInWorld);
+  EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_DRIFT), kReasonDrift);
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_TILT), kReasonTilt);
   EXPECT_EQ(static_cast<std::uint32_t>(health_t::REASON_NOT_LEVEL), kReasonNotLevel);
 }

@@ -15,7 +15,10 @@ namespace odoless {
 class GraphRun {
  public:
   GraphRun(const RobotParams& params, std::uint64_t seed)
-      : gate_(params.graph), graph_(params.graph, params.limits, params.scan, seed), place_(params.graph) {}
+      : gate_(params.graph),
+        graph_(params.graph, params.limits, params.scan, seed),
+        place_(params.graph),
+        sure_probability_(params.recovery.tracking.sure_probability) {}
 
   /// Before the first scan: goes on with a world. @param last  Where the robot was in it. @return  Whether there is
   /// room.
@@ -40,6 +43,10 @@ class GraphRun {
     place_.update(graph_);
     step.map_T_odom = place_.follow(step.map_T_odom, motion.odom_T_current);
     step.map_T_scan = step.map_T_odom * motion.odom_T_current;
+    step.drift = place_.drift();
+    step.probability *= place_.within_ok();
+    step.has_drifted = step.tracking == Tracking::kSure && place_.within_ok() < sure_probability_;
+    step.tracking = step.has_drifted ? Tracking::kDoubtful : step.tracking;
   }
 
   /// When the run is over.
@@ -50,6 +57,7 @@ class GraphRun {
   KeyframeGate gate_;
   SubmapGraph graph_;
   FilterInWorld place_;
+  double sure_probability_;
   std::vector<BeamCode> codes_;
 };
 

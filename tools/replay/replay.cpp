@@ -82,6 +82,15 @@ class Recorder {
     last_index_ = index;
   }
 
+  /// After the last scan: of those that were said to be OK, the ones that were not where the final path has them.
+  void count_ok_but_off() {
+    for (std::size_t i = 0; i < is_sure_.size(); ++i) {
+      const bool is_right = are_within(result_.online_trajectory[i].map_T_scan, result_.trajectory[i].map_T_scan,
+                                       PoseEstimate::kOk_m, PoseEstimate::kOk_rad);
+      result_.ok_but_off_scans += is_sure_[i] && !is_right ? 1 : 0;
+    }
+  }
+
   /// Whether it is known by now where the robot is in the world.
   void count_place(const SubmapGraph& graph) {
     if (!graph.is_in_world()) {
@@ -104,8 +113,10 @@ class Recorder {
 
   void count(const FilterStep& step) {
     const bool lost = step.tracking == Tracking::kLost;
+    is_sure_.push_back(step.tracking == Tracking::kSure);
     result_.lost_scans += lost ? 1 : 0;
-    result_.doubtful_scans += step.tracking == Tracking::kDoubtful ? 1 : 0;
+    result_.drifted_scans += step.has_drifted ? 1 : 0;
+    result_.doubtful_scans += step.tracking == Tracking::kDoubtful && !step.has_drifted ? 1 : 0;
     result_.relocalisations += step.found ? 1 : 0;
     result_.outside_scans += step.report.outside_tiles > 0 ? 1 : 0;
     result_.least_fit = lost ? result_.least_fit : std::min(result_.least_fit, step.fit);
@@ -120,6 +131,7 @@ class Recorder {
 
   const ScanLog& log_;
   ReplayResult result_;
+  std::vector<bool> is_sure_;  ///< of each scan
   std::optional<int> last_index_;
   std::int64_t last_time_ns_ = 0;
 };
@@ -179,8 +191,9 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
     }
     progress(static_cast<std::int64_t>(i) + 1, static_cast<std::int64_t>(used.size()), step.motion.fitness);
   }
+  finish(mapper, options, recorder.result());
+  recorder.count_ok_but_off();
   ReplayResult result = std::move(recorder.result());
-  finish(mapper, options, result);
   result.log_duration_s = to_s(log.scans[static_cast<std::size_t>(used.back())].stamp_ns - log.scans.front().stamp_ns);
   return result;
 }

@@ -56,6 +56,8 @@ struct ReplayResult {
   int guessed_scans = 0;                         ///< taken while that was a guess
   int lost_scans = 0;                            ///< taken while the robot was lost
   int doubtful_scans = 0;                        ///< whose pose was not sure, nor lost
+  int ok_but_off_scans = 0;                      ///< whose pose was sure, but not where the final path has it
+  int drifted_scans = 0;                         ///< whose pose was sure but for what the map may have drifted
   int relocalisations = 0;                       ///< times that it was found again
   double least_fit = 1.0;                        ///< worst fit of a scan to the map while it was not lost
   std::vector<double> scan_cpu_us;               ///< of matcher and filter, one per scan used

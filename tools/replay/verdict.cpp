@@ -56,6 +56,8 @@ RunFigures figures_of(const ReplayResult& result) {
   return {.scans = static_cast<std::int64_t>(result.trajectory.size()),
           .lost = result.lost_scans,
           .doubtful = result.doubtful_scans,
+          .ok_but_off = result.ok_but_off_scans,
+          .drifted = result.drifted_scans,
           .poor = result.poor_matches,
           .ambiguous = result.ambiguous_matches,
           .outside = result.outside_scans,
@@ -114,9 +116,11 @@ std::string sentence(const Verdict& verdict) {
 
 std::string shares_text(const RunFigures& figures) {
   return fmt::format(
-      "{:.1f} % of the scans lost, {:.1f} % with a doubtful pose, {:.1f} % outside the map; {:.1f} % poor and {:.1f} % "
+      "{:.1f} % of the scans lost, {:.1f} % with a doubtful pose, {:.1f} % far from a loop closure, {:.1f} % OK but "
+      "off the final path, {:.1f} % outside the map; {:.1f} % poor and {:.1f} % "
       "ambiguous matches; {:.1f} % with a doubtful stamp, {:.1f} s without scans",
       percent(figures.lost, figures.scans), percent(figures.doubtful, figures.scans),
+      percent(figures.drifted, figures.scans), percent(figures.ok_but_off, figures.scans),
       percent(figures.outside, figures.scans), percent(figures.poor, figures.scans),
       percent(figures.ambiguous, figures.scans), percent(figures.untimed, figures.scans), figures.missing_s);
 }
@@ -126,6 +130,8 @@ void add_verdict(const RunFigures& figures, const Verdict& verdict, nlohmann::or
   summary["reasons"] = verdict.reasons;
   summary["lost_share"] = share(figures.lost, figures.scans);
   summary["doubtful_share"] = share(figures.doubtful, figures.scans);
+  summary["ok_but_off_share"] = share(figures.ok_but_off, figures.scans);
+  summary["drifted_share"] = share(figures.drifted, figures.scans);
   summary["poor_share"] = share(figures.poor, figures.scans);
   summary["ambiguous_share"] = share(figures.ambiguous, figures.scans);
   summary["outside_share"] = share(figures.outside, figures.scans);

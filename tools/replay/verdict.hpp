@@ -13,13 +13,15 @@ namespace odoless {
 /// What a run over a log came to, in counts of scans.
 struct RunFigures {
   std::int64_t scans = 0;
-  std::int64_t lost = 0;       ///< the robot did not know where it was; not mapped
-  std::int64_t doubtful = 0;   ///< its pose was on trial
-  std::int64_t poor = 0;       ///< did not match the scans before
-  std::int64_t ambiguous = 0;  ///< matched them in several places
-  std::int64_t outside = 0;    ///< reach beyond the grid
-  std::int64_t untimed = 0;    ///< whose times are uncertain by more than a quarter of the scan period
-  double missing_s = 0.0;      ///< in which there are no scans, in gaps of more than a second
+  std::int64_t lost = 0;        ///< the robot did not know where it was; not mapped
+  std::int64_t doubtful = 0;    ///< its pose was on trial
+  std::int64_t ok_but_off = 0;  ///< said to be OK, and more than 0.5 m or 5 deg off the final path
+  std::int64_t drifted = 0;     ///< the map may have drifted there, until a later loop closure
+  std::int64_t poor = 0;        ///< did not match the scans before
+  std::int64_t ambiguous = 0;   ///< matched them in several places
+  std::int64_t outside = 0;     ///< reach beyond the grid
+  std::int64_t untimed = 0;     ///< whose times are uncertain by more than a quarter of the scan period
+  double missing_s = 0.0;       ///< in which there are no scans, in gaps of more than a second
   double duration_s = 0.0;
   bool is_mapped = true;  ///< the map has a cell at all
 };

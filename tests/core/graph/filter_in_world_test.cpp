@@ -68,6 +68,21 @@ TEST_F(FilterThatJumps, IsNotFollowedWhereItSlips) {
   }
 }
 
+TEST_F(FilterThatJumps, MayHaveDriftedTheMoreTheFartherItIsFromALoopClosure) {
+  Drive open(ring(18.0, 10.0), {});
+  FilterInWorld where(GraphParams{});
+  std::vector<double> drift_m2{-1.0};  // after each leg
+  for (std::size_t leg = 1; leg < 8; ++leg) {
+    open.drive({kRound[(leg - 1) % 4], kRound[leg % 4]});
+    where.update(open.graph);
+    static_cast<void>(where.follow({}, open.odom.back().map_T_scan));
+    drift_m2.push_back(where.drift().topLeftCorner<2, 2>().trace());
+    EXPECT_TRUE(leg >= 4 || drift_m2[leg] > drift_m2[leg - 1]) << "after leg " << leg;
+  }
+  EXPECT_LT(drift_m2[5], 0.5 * drift_m2[3]) << "the loop is closed";
+  EXPECT_LT(drift_m2[7], 1.5 * drift_m2[3]) << "a second round is held by the first one";
+}
+
 TEST_F(FilterThatJumps, HasAPlaceForEachPoseOfTheWorld) {
   EXPECT_LT(where_.to_local(odom_T_scan()).distance_m(odom_T_scan()), 0.05);
 }

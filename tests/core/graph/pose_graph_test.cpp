@@ -68,6 +68,27 @@ TEST(PoseGraph, ForgetsNodesWithAllOfTheirConstraints) {
   EXPECT_LT(projection.costs[1], PoseGraph::kUnreached);
 }
 
+TEST(PoseGraph, ProjectsFromTheNearestOfSeveralNodes) {
+  PoseGraph graph(8, 16);
+  static_cast<void>(graph.add_node({}));
+  for (int node = 1; node < 8; ++node) {
+    static_cast<void>(graph.add_node({1.0 * node, 0.1 * node, 0.2 * node}));
+    graph.add({.from = node - 1,
+               .to = node,
+               .from_T_to = graph.between(node - 1, node),
+               .covariance = 1e-4 * Eigen::Matrix3d::Identity()});
+  }
+  PoseGraph::Projection from_any;
+  graph.project_from(2, 5, from_any);
+  for (int node = 0; node < 8; ++node) {
+    PoseGraph::Projection from_one;
+    graph.project(std::clamp(node, 2, 4), from_one);
+    const auto at = static_cast<std::size_t>(node);
+    EXPECT_EQ(from_any.costs[at], from_one.costs[at]) << node;
+    EXPECT_EQ(from_any.covariances[at], from_one.covariances[at]) << node;
+  }
+}
+
 TEST(PoseGraph, CarriesTheErrorOfAMotionOverTheNext) {
   const Pose2 a_T_b{1.0, 2.0, 0.5};
   const Pose2 b_T_c{-3.0, 1.0, 2.0};
