@@ -206,10 +206,10 @@ std::vector<Scene> recovery_scenes() {
   const std::string soon = "recovery.search = { found_after_s = 1.0, found_fit = 0.3, global.step_deg = 12 }";
   const std::string roughly =
       "recovery.search = { evaluations_per_s = 100000, found_after_s = 1.0, resume_after_s = 4.0,"
-      " global = { step_m = 0.4, step_deg = 15, peaks = 20 } }";
+      " global = { step_m = 0.5, step_deg = 20, peaks = 20 } }";
   const Recording carried = std::move(Recording(kRoom).drive(14.0, 0.2).carry({1.5, 1.0, 2.5}).drive(6.0, 0.2));
   const Recording carried_early = std::move(Recording(kRoom).drive(9.0, 0.2).carry({1.5, 1.0, 2.5}).drive(6.0, 0.2));
-  const Recording rectangle = std::move(Recording(kRectangle).drive(8.0, 0.2).carry({1.0, 0.5, 2.5}).drive(7.0, 0.2));
+  const Recording rectangle = std::move(Recording(kRectangle).drive(8.0, 0.2).carry({1.0, 0.5, 2.5}).drive(11.0, 0.2));
   return {state_of("carried", carried, {kFast, soon}), state_of("rectangle", rectangle, {kFast, roughly}),
           state_of("sought roughly", carried_early, {kFast, roughly, "recovery.search.found_fit = 0.3"})};
 }
