@@ -134,7 +134,7 @@ class LaserOdometry {
   double time_sd_s_ = 0.0;
   Pose2 odom_T_scan_{};
   double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;
-  bool has_speed_ = false;      ///< else it may be any
+  bool has_speed_ = false;      ///< before the first match it may be any
   double to_middle_rad_ = 0.0;  ///< turned from the last stamp to the middle of a deskewed scan
   int poor_in_a_row_ = 0;
   double stale_s_ = 0.0;  ///< for which the laser has repeated a scan

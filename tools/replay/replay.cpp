@@ -84,6 +84,7 @@ class Recorder {
 
   /// After the last scan: of those that were said to be OK, the ones that were not where the final path has them.
   void count_ok_but_off() {
+    ODOLESS_CHECK(result_.online_trajectory.size() == is_sure_.size() && result_.trajectory.size() == is_sure_.size());
     for (std::size_t i = 0; i < is_sure_.size(); ++i) {
       const bool is_right = are_within(result_.online_trajectory[i].map_T_scan, result_.trajectory[i].map_T_scan,
                                        PoseEstimate::kOk_m, PoseEstimate::kOk_rad);
@@ -94,6 +95,7 @@ class Recorder {
   /// Whether it is known by now where the robot is in the world.
   void count_place(const SubmapGraph& graph) {
     if (!graph.is_in_world()) {
+      is_sure_.back() = false;
       ++(graph.is_guessed() ? result_.guessed_scans : result_.unlocated_scans);
     }
   }
