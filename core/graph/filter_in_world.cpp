@@ -41,18 +41,14 @@ void FilterInWorld::update(const SubmapGraph& graph) {
   if (revision_ != graph.revision()) {
     revision_ = graph.revision();
     forget(graph.forgotten() - forgotten_);
-    if ((claim_ || found_at_) && is_found_since(graph.graph(), claimed_at_)) {
+    if (claim_ && is_found_since(graph.graph(), claimed_at_)) {
       claim_.reset();
-      found_at_.reset();
     }
-    if (first_ != graph.first_submap()) {
-      claim_.reset();
-      found_at_.reset();
-    }
+    claim_ = first_ == graph.first_submap() ? claim_ : std::nullopt;
     first_ = graph.first_submap();
     places_.resize(graph.submaps().size() - first_);
     if (!places_.empty()) {
-      graph.graph().project_from(0, std::max(1, static_cast<int>(first_)), projection_);
+      graph.graph().project_drift(0, std::max(1, static_cast<int>(first_)), projection_);
     }
     for (std::size_t i = 0; i < places_.size(); ++i) {
       const bool is_joined = projection_.costs[first_ + i] < PoseGraph::kUnreached;
@@ -73,9 +69,7 @@ void FilterInWorld::forget(int submaps) {
   const auto count = static_cast<std::size_t>(submaps);
   forgotten_ += submaps;
   claimed_at_ -= submaps;
-  for (std::optional<std::size_t>* const each : {&claim_, &found_at_}) {
-    *each = *each && **each >= count ? std::optional(**each - count) : std::nullopt;
-  }
+  claim_ = claim_ && *claim_ >= count ? std::optional(*claim_ - count) : std::nullopt;
 }
 
 Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan) {
@@ -92,7 +86,6 @@ Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan)
   }
   if (has_jumped) {
     claim_ = nearest(local_T_scan).value_or(claim_.value_or(places_.size() - 1));  // in the unknown: by the last known
-    found_at_ = surest(local_T_scan);
     claimed_at_ = static_cast<int>(first_ + places_.size());
   }
   const Pose2 newest = graph_map_T_odom_.value_or(places_.back().map_T_local() * local_T_odom);
@@ -109,31 +102,12 @@ Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan)
 
 Pose2 FilterInWorld::placed(const Place& place, const Pose2& map_T_odom, const Pose2& odom_T_scan) {
   const Pose2 map_T_scan = map_T_odom * odom_T_scan;
-  drift_ = carried_to(map_T_scan, place);
-  if (found_at_ && first_ + places_.size() <= static_cast<std::size_t>(claimed_at_) + kNewest) {
-    const Eigen::Matrix3d found = carried_to(map_T_scan, places_[*found_at_]);
-    drift_ = found.trace() < drift_.trace() ? found : drift_;
-  }
+  drift_ = turned(carried(place.drift, place.map_T_submap.inverse() * map_T_scan), map_T_scan.yaw_rad);
   return map_T_odom;
-}
-
-Eigen::Matrix3d FilterInWorld::carried_to(const Pose2& map_T_scan, const Place& place) {
-  return turned(carried(place.drift, place.map_T_submap.inverse() * map_T_scan), map_T_scan.yaw_rad);
 }
 
 double FilterInWorld::within_ok() const {
   return probability_within(drift_, PoseEstimate::kOk_m, PoseEstimate::kOk_rad);
-}
-
-std::optional<std::size_t> FilterInWorld::surest(const Pose2& local_T_scan) const {
-  std::optional<std::size_t> found;
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const bool is_near = places_[i].local_T_submap.distance_m(local_T_scan) < kReach_m;
-    if (is_near && (!found || places_[i].drift.trace() < places_[*found].drift.trace())) {
-      found = i;
-    }
-  }
-  return found;
 }
 
 std::optional<std::size_t> FilterInWorld::nearest(const Pose2& local_T_scan) const {

@@ -15,7 +15,8 @@ namespace odoless {
 /// beyond the jump. How: core/graph/README.md.
 ///
 /// And how sure that place is: what the odometry may have drifted since the map's beginning, or since a world that was
-/// there before, along the loop closures that hold; where the filter has found the robot, of the submap it is found at.
+/// there before, along the loop closures that hold. Over a motion that is not credible the filter is taken at its word,
+/// which says itself how probable it is.
 ///
 /// Frames: map, odom; local, which is the filter's map. Memory is fixed at construction. Thread: owned by one thread.
 /// `follow` takes constant time but at a jump, when it is linear in the submaps.
@@ -46,12 +47,8 @@ class FilterInWorld {
 
   /// By that submap.
   Pose2 placed(const Place& place, const Pose2& map_T_odom, const Pose2& odom_T_scan);
-  /// What a submap's drift is where the scan is.
-  [[nodiscard]] static Eigen::Matrix3d carried_to(const Pose2& map_T_scan, const Place& place);
   /// The submap that the robot is at.
   [[nodiscard]] std::optional<std::size_t> nearest(const Pose2& local_T_scan) const;
-  /// Of the submaps within reach the one that has drifted the least.
-  [[nodiscard]] std::optional<std::size_t> surest(const Pose2& local_T_scan) const;
   /// So many of the oldest submaps are no more.
   void forget(int submaps);
 
@@ -66,7 +63,6 @@ class FilterInWorld {
   std::optional<Pose2> graph_map_T_odom_;  ///< none behind a motion that is not credible
   std::optional<Pose2> local_T_odom_;      ///< of the scan before
   std::optional<std::size_t> claim_;       ///< since a jump: the submap by which the filter has the robot in the world
-  std::optional<std::size_t> found_at_;    ///< by whose drift it is then, until a loop closure or some metres later
   int claimed_at_ = 0;                     ///< the submap that was being made then
 };
 

@@ -108,7 +108,11 @@ void PoseGraph::erase(int first, int count) {
   }
 }
 
-void PoseGraph::project_from(int begin, int end, Projection& out) const {
+void PoseGraph::project(int root, Projection& out) const { project(root, root + 1, true, out); }
+
+void PoseGraph::project_drift(int begin, int end, Projection& out) const { project(begin, end, false, out); }
+
+void PoseGraph::project(int begin, int end, bool breaks_count, Projection& out) const {
   using Entry = std::pair<double, int>;
   out.covariances.assign(poses_.size(), Eigen::Matrix3d::Zero());
   out.costs.assign(poses_.size(), kUnreached);
@@ -136,9 +140,10 @@ void PoseGraph::project_from(int begin, int end, Projection& out) const {
         continue;
       }
       const Pose2 step = poses_[at].inverse() * poses_[next];
-      const Eigen::Matrix3d covariance =
-          carried(out.covariances[at], step) +
-          (is_forward ? constraint.covariance : inverted(constraint.covariance, constraint.from_T_to));
+      Eigen::Matrix3d covariance = carried(out.covariances[at], step);
+      if (breaks_count || !constraint.is_break) {
+        covariance += is_forward ? constraint.covariance : inverted(constraint.covariance, constraint.from_T_to);
+      }
       const double cost = cost_of(covariance);
       if (cost < out.costs[next]) {
         out.costs[next] = cost;

@@ -25,9 +25,10 @@ struct Constraint {
   int to = 0;
   Pose2 from_T_to{};
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  bool is_loop = false;  ///< a loop closure, which may be wrong; else odometry
-  bool is_new = false;   ///< since the last solution
-  double weight = 1.0;   ///< that robust least squares give a loop closure; 0: taken out
+  bool is_loop = false;   ///< a loop closure, which may be wrong; else odometry
+  bool is_new = false;    ///< since the last solution
+  bool is_break = false;  ///< odometry over a motion that is not credible
+  double weight = 1.0;    ///< that robust least squares give a loop closure; 0: taken out
 
   /// Whether one may rely on it: odometry, or a loop closure that the others don't contradict.
   [[nodiscard]] bool holds() const { return !is_loop || weight >= 0.3; }
@@ -81,9 +82,9 @@ class PoseGraph {
 
   /// Dijkstra's shortest paths by the trace of the covariance [bosse2003atlas, section III-C; method 9]. Loop closures
   /// that don't hold lead nowhere. Time: n log n in the constraints.
-  void project(int root, Projection& out) const { project_from(root, root + 1, out); }
-  /// The same from the nearest of several nodes, whose poses are certain.
-  void project_from(int begin, int end, Projection& out) const;
+  void project(int root, Projection& out) const;
+  /// The drift alone: the same from the nearest of several nodes, whose poses are certain, and breaks add nothing.
+  void project_drift(int begin, int end, Projection& out) const;
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
@@ -92,6 +93,8 @@ class PoseGraph {
     int after_from = kNone;  ///< next constraint of the same node
     int after_to = kNone;
   };
+
+  void project(int begin, int end, bool breaks_count, Projection& out) const;
 
   std::size_t nodes_max_;
   std::size_t constraints_max_;

@@ -142,8 +142,11 @@ void SubmapGraph::add_submap() {
     const Pose2 last_T_submap =
         odometry.is_torn() ? submaps_.back().local_T_submap.inverse() * submap.local_T_submap : odometry.start_T_end;
     const int node = graph_.add_node(graph_.pose(last) * last_T_submap);
-    graph_.add(
-        {.from = last, .to = node, .from_T_to = last_T_submap, .covariance = odometry.constraint_covariance(limits_)});
+    graph_.add({.from = last,
+                .to = node,
+                .from_T_to = last_T_submap,
+                .covariance = odometry.constraint_covariance(limits_),
+                .is_break = odometry.is_torn()});
     filter_ = {
         .node = node,
         .map_T_node = graph_.pose(static_cast<int>(path_begin())) * submaps_[path_begin()].local_T_submap.inverse() *

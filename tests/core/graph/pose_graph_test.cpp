@@ -68,7 +68,7 @@ TEST(PoseGraph, ForgetsNodesWithAllOfTheirConstraints) {
   EXPECT_LT(projection.costs[1], PoseGraph::kUnreached);
 }
 
-TEST(PoseGraph, ProjectsFromTheNearestOfSeveralNodes) {
+TEST(PoseGraph, KnowsTheDriftFromTheNearestOfSeveralNodesAndNotThatOfBreaks) {
   PoseGraph graph(8, 16);
   static_cast<void>(graph.add_node({}));
   for (int node = 1; node < 8; ++node) {
@@ -79,7 +79,7 @@ TEST(PoseGraph, ProjectsFromTheNearestOfSeveralNodes) {
                .covariance = 1e-4 * Eigen::Matrix3d::Identity()});
   }
   PoseGraph::Projection from_any;
-  graph.project_from(2, 5, from_any);
+  graph.project_drift(2, 5, from_any);
   for (int node = 0; node < 8; ++node) {
     PoseGraph::Projection from_one;
     graph.project(std::clamp(node, 2, 4), from_one);
@@ -87,6 +87,10 @@ TEST(PoseGraph, ProjectsFromTheNearestOfSeveralNodes) {
     EXPECT_EQ(from_any.costs[at], from_one.costs[at]) << node;
     EXPECT_EQ(from_any.covariances[at], from_one.covariances[at]) << node;
   }
+  graph.constraints()[6].is_break = true;
+  graph.project_drift(2, 5, from_any);
+  EXPECT_GT(from_any.costs[6], 0.0);
+  EXPECT_LT(from_any.covariances[7](2, 2), 1.01 * from_any.covariances[6](2, 2)) << "it adds nothing";
 }
 
 TEST(PoseGraph, CarriesTheErrorOfAMotionOverTheNext) {
