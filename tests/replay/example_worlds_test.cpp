@@ -1,15 +1,15 @@
 // What the state promises, on drives whose truth is known: OK is right within 0.5 m and 5 deg.
-#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <sstream>
+#include <ostream>
 #include <string>
 #include <vector>
 
 #include "drivers/lrf/models.hpp"
 #include "firmware/health/health_monitor.hpp"
 #include "tests/tools/sim_support.hpp"
+#include "tools/log/reference_poses.hpp"
 #include "tools/log/scan_log.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/sim/simulation.hpp"
@@ -28,16 +28,6 @@ struct DriveCase {
   }
 };
 
-std::vector<Pose2> poses_of(const std::string& tum) {
-  std::vector<Pose2> poses;
-  std::istringstream in(tum);
-  double stamp_s, x, y, z, qx, qy, qz, qw;  // NOLINT: one line of TUM
-  while (in >> stamp_s >> x >> y >> z >> qx >> qy >> qz >> qw) {
-    poses.push_back({x, y, 2.0 * std::atan2(qz, qw)});
-  }
-  return poses;
-}
-
 class ReplayOfAWorld : public ::testing::TestWithParam<DriveCase> {};
 
 TEST_P(ReplayOfAWorld, IsNeverSilentlyWrongForMoreThanASecond) {
@@ -45,14 +35,15 @@ TEST_P(ReplayOfAWorld, IsNeverSilentlyWrongForMoreThanASecond) {
   const World world = read_world(test::example_world(std::string(name) + ".world"));
   const SimulatedLrfParams params = simulated_lrf_params(*find_lrf_model(laser));
   const Simulation drive = simulate(world, params, seed);
-  const std::vector<Pose2> truth = poses_of(drive.truth);
+  LineReader truth_lines(view_bytes(drive.truth, "truth"), "truth");
+  const std::vector<ReferencePose> truth = read_reference_poses(truth_lines).poses;
   LineReader lines(view_bytes(drive.log, "simulation"), "simulation");
   const ScanLog log = read_scan_log(lines);
   std::size_t scan = 0;
   int wrong = 0;
   int longest = 0;
   const auto watch = [&](const ChainStep& step, const RawScan& /*raw*/, StageChain& /*chain*/) {
-    const Pose2 start_T_true = truth.front().inverse() * truth[scan++];
+    const Pose2 start_T_true = truth.front().pose.inverse() * truth.at(scan++).pose;
     const bool is_right = are_within(start_T_true, step.filter.map_T_scan, PoseEstimate::kOk_m, PoseEstimate::kOk_rad);
     const bool is_ok =
         step.filter.tracking == Tracking::kSure &&
