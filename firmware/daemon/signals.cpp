@@ -30,7 +30,7 @@ sigset_t blocked_set() {
   return set;
 }
 
-std::string name_of(int signal) {
+std::string signal_name(int signal) {
   const char* const name = sigabbrev_np(signal);
   return name != nullptr ? name : std::to_string(signal);
 }
@@ -69,7 +69,7 @@ SignalMeaning SignalReader::next() {
     if (info.ssi_signo == SIGXFSZ && info.ssi_pid == static_cast<std::uint32_t>(::getpid())) {
       continue;
     }
-    name_ = name_of(static_cast<int>(info.ssi_signo));
+    name_ = signal_name(static_cast<int>(info.ssi_signo));
     return info.ssi_signo == SIGHUP ? SignalMeaning::kReload : SignalMeaning::kEnd;
   }
   return SignalMeaning::kNone;

@@ -17,12 +17,12 @@
 namespace odoless {
 namespace {
 
-constexpr std::uint32_t kMagic = 0xEDA1DA01;
+constexpr std::uint32_t kEventMagic = 0xEDA1DA01;
 constexpr std::int64_t kBytesPerMb = 1'000'000;
 constexpr std::int64_t kRetryNs =
     1'000'000'000;  // after a refused file; a directory that is missing won't be there sooner
 constexpr std::string_view kExtension = ".lcm";
-constexpr std::size_t kDigits = 5;
+constexpr std::size_t kNumberDigits = 5;
 constexpr int kNumbersTried = 100;
 
 template <std::size_t Bytes>
@@ -42,13 +42,13 @@ int number_of(std::string_view file, std::string_view name) {
   const std::string_view digits = file.substr(name.size() + 1, file.size() - name.size() - 1 - kExtension.size());
   int number = -1;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  const bool whole = error == std::errc{} && end == digits.data() + digits.size() && digits.size() >= kDigits;
+  const bool whole = error == std::errc{} && end == digits.data() + digits.size() && digits.size() >= kNumberDigits;
   return whole && number >= 0 ? number : -1;
 }
 
 std::string numbered(const std::string& path, int number) {
   std::string digits = std::to_string(number);
-  digits.insert(0, kDigits - std::min(kDigits, digits.size()), '0');
+  digits.insert(0, kNumberDigits - std::min(kNumberDigits, digits.size()), '0');
   return path + '.' + digits + std::string(kExtension);
 }
 
@@ -96,7 +96,7 @@ void LogWriter::record(std::string_view channel, std::span<const std::byte> mess
     return;
   }
   std::array<std::byte, kHeaderBytes> header;
-  std::byte* out = put<4>(header.data(), kMagic);
+  std::byte* out = put<4>(header.data(), kEventMagic);
   out = put<8>(out, static_cast<std::uint64_t>(event_number_));
   out = put<8>(out, static_cast<std::uint64_t>(stamp_ns / 1000));
   out = put<4>(out, channel.size());

@@ -131,12 +131,13 @@ void WorldKeeper::add(const StampedPose& odom_T_scan, int map_number) {
 
 // From one beginning to the next: on a slow disk, what a write takes would come on top of the pause.
 void WorldKeeper::run() {
-  using Clock = std::chrono::steady_clock;
-  const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(params_.write_every_s));
-  Clock::time_point begin = Clock::now();
+  using SteadyClock = std::chrono::steady_clock;
+  const auto period =
+      std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(params_.write_every_s));
+  SteadyClock::time_point begin = SteadyClock::now();
   std::unique_lock lock(mutex_);
   while (!changed_.wait_until(lock, begin + period, [this] { return stage_ != Stage::kRunning; })) {
-    begin = Clock::now();
+    begin = SteadyClock::now();
     lock.unlock();
     keep_up(kPatience);
     lock.lock();

@@ -144,7 +144,7 @@ class LcmReceiverNetwork : public ::testing::Test {
   void TearDown() override { close(sender_); }
 
   void send_bytes(const std::string& datagram) const {
-    ASSERT_EQ(send(sender_, datagram.data(), datagram.size(), 0), static_cast<ssize_t>(datagram.size()));
+    ASSERT_EQ(::send(sender_, datagram.data(), datagram.size(), 0), static_cast<ssize_t>(datagram.size()));
   }
 
   LcmParams params_;

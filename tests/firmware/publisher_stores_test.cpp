@@ -13,10 +13,10 @@
 namespace odoless {
 namespace {
 
-constexpr int kSide_cells = 4;
+constexpr int kTileSide_cells = 4;
 
 std::vector<std::uint8_t> cells_from(std::uint8_t first) {
-  std::vector<std::uint8_t> cells(kSide_cells * kSide_cells);
+  std::vector<std::uint8_t> cells(kTileSide_cells * kTileSide_cells);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     cells[i] = static_cast<std::uint8_t>(first + i);
   }
@@ -24,7 +24,7 @@ std::vector<std::uint8_t> cells_from(std::uint8_t first) {
 }
 
 MapTileRecord tile_at(int column, int row) {
-  return {.column = column, .row = row, .size_cells = kSide_cells, .cell_size_m = 0.1};
+  return {.column = column, .row = row, .size_cells = kTileSide_cells, .cell_size_m = 0.1};
 }
 
 TEST(MapStore, KnowsNothingUntilATileComes) {
@@ -66,11 +66,11 @@ TEST(MapStore, FollowsTheTilesAndForgetsWhatIsFarthestFromTheLastOne) {
   const OccupancyMap map = store.map();
   ASSERT_EQ(map.width_cells, 10);
   ASSERT_EQ(map.height_cells, 10);
-  EXPECT_NEAR(map.origin_x_m, 0.1 * (1004 * kSide_cells - 10), 1e-9);
-  EXPECT_NEAR(map.origin_y_m, -0.1 * 1003 * kSide_cells, 1e-9);
-  EXPECT_EQ(map.at(6, 0), 23);            // the last tile, at the lower right
-  EXPECT_EQ(map.at(2, kSide_cells), 22);  // the one before
-  EXPECT_EQ(map.at(0, 8), 21 + 2);        // a part of the one before that
+  EXPECT_NEAR(map.origin_x_m, 0.1 * (1004 * kTileSide_cells - 10), 1e-9);
+  EXPECT_NEAR(map.origin_y_m, -0.1 * 1003 * kTileSide_cells, 1e-9);
+  EXPECT_EQ(map.at(6, 0), 23);                // the last tile, at the lower right
+  EXPECT_EQ(map.at(2, kTileSide_cells), 22);  // the one before
+  EXPECT_EQ(map.at(0, 8), 21 + 2);            // a part of the one before that
   EXPECT_EQ(map.at(6, 8), -1) << "what was there is forgotten";
   EXPECT_EQ(map.at(0, 0), -1);
 }

@@ -32,7 +32,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 using test::kMs;
-constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kNeverNs = std::numeric_limits<std::int64_t>::max();
 
 /// A drive and a session on a bus for some seconds, each millisecond; what the session hears, and what both say.
 template <class Receive, class Take>
@@ -171,7 +171,7 @@ TEST(RawRecording, RefusesALogWithoutBytesOrWithDamagedOnes) {
   EXPECT_THROW(static_cast<void>(read_raw_recording(folder.path() / "run.00000.lcm")), DataError);
 }
 
-RawPiece change(std::int64_t time_ms, const char* text) { return {time_ms * 1000, false, text}; }
+RawPiece wire_change(std::int64_t time_ms, const char* text) { return {time_ms * 1000, false, text}; }
 
 /// When each input changes, in ms: "s" and "S" are the stop's falling and rising edge, "p" and "P" the pulse's.
 std::string changes_of(RobotWires& wires, std::int64_t step_ms, std::int64_t end_ms) {
@@ -195,10 +195,11 @@ std::string changes_of(RobotWires& wires, std::int64_t step_ms, std::int64_t end
 }
 
 TEST(RecordedGpio, PlaysStopAndPulsesWhenTheyAreDueAndNeverLosesAStop) {
-  const std::vector<RawPiece> pieces{change(0, "stop high\n"),  change(0, "sync low\n"),   change(10, "sync high\n"),
-                                     change(12, "sync low\n"),  change(13, "power low\n"), change(14, "stop low\n"),
-                                     change(15, "stop high\n"), change(16, "stop lost\n"), change(20, "sync high\n"),
-                                     change(22, "sync low\n"),  change(30, "sync high\n")};
+  const std::vector<RawPiece> pieces{
+      wire_change(0, "stop high\n"),  wire_change(0, "sync low\n"),   wire_change(10, "sync high\n"),
+      wire_change(12, "sync low\n"),  wire_change(13, "power low\n"), wire_change(14, "stop low\n"),
+      wire_change(15, "stop high\n"), wire_change(16, "stop lost\n"), wire_change(20, "sync high\n"),
+      wire_change(22, "sync low\n"),  wire_change(30, "sync high\n")};
   const auto at_once = [](std::int64_t recorded_us) { return recorded_us * 1000; };
   RecordedGpio punctual(pieces, at_once, "x.lcm");
   EXPECT_EQ(changes_of(punctual, 1, 40), "10P 12p 14s 15S 20P 22p 30P ");
@@ -206,9 +207,9 @@ TEST(RecordedGpio, PlaysStopAndPulsesWhenTheyAreDueAndNeverLosesAStop) {
   RecordedGpio held_up(pieces, at_once, "x.lcm");
   EXPECT_EQ(changes_of(held_up, 25, 50), "25s 25S 50P ") << "pulses that are over when they are looked at are left out";
   RecordedGpio never(
-      pieces, [](std::int64_t) { return kNever; }, "x.lcm");
+      pieces, [](std::int64_t) { return kNeverNs; }, "x.lcm");
   EXPECT_EQ(changes_of(never, 1, 40), "");
-  EXPECT_EQ(never.next_event_ns(), kNever);
+  EXPECT_EQ(never.next_event_ns(), kNeverNs);
 }
 
 // The daemon's own way: from its GPIO thread's recorder through the publisher's link into a log, and out of it again.
@@ -261,7 +262,7 @@ class TurningServo final : public EmulatedServo {
  public:
   void receive(std::span<const std::byte> /*bytes*/, std::int64_t now_ns) override { tick(now_ns); }
   void tick(std::int64_t now_ns) override { angle_rad_ = static_cast<double>(now_ns) * 1e-9; }
-  [[nodiscard]] std::int64_t next_event_ns() const override { return kNever; }
+  [[nodiscard]] std::int64_t next_event_ns() const override { return kNeverNs; }
   [[nodiscard]] std::vector<ServoFrame> take_output() override { return {}; }
   [[nodiscard]] double angle_rad() const override { return angle_rad_; }
   [[nodiscard]] double velocity_radps() const override { return 1.0; }

@@ -17,7 +17,7 @@ namespace odoless {
 namespace {
 
 constexpr int kScans = 3000;  // several chunks
-constexpr int kBeams = 200;
+constexpr int kBeamsWritten = 200;
 constexpr std::size_t kMagicBytes = 8;
 
 std::int64_t stamp_ns(int k) { return 1'700'000'000'000'000'000 + std::int64_t{k} * 100'000'000; }
@@ -32,7 +32,7 @@ std::string scan_message(int k) {
   scan.angle_min = -1.0F;
   scan.angle_increment = 0.0078125F;
   scan.range_max = 20.0F;
-  for (int i = 0; i < kBeams; ++i) {
+  for (int i = 0; i < kBeamsWritten; ++i) {
     scan.ranges.push_back(range_m(k, i));
   }
   return ros::CdrWriter().encode(scan);
@@ -69,8 +69,8 @@ TEST_F(McapWritten, ReadsBackAsWhatWasWritten) {
     ASSERT_EQ(scan.stamp_ns, stamp_ns(k));
     ASSERT_EQ(scan.start_angle_rad, -1.0);
     ASSERT_EQ(scan.angle_step_rad, 0.0078125);
-    ASSERT_EQ(scan.ranges_m.size(), static_cast<std::size_t>(kBeams));
-    for (int i = 0; i < kBeams; ++i) {
+    ASSERT_EQ(scan.ranges_m.size(), static_cast<std::size_t>(kBeamsWritten));
+    for (int i = 0; i < kBeamsWritten; ++i) {
       ASSERT_EQ(scan.ranges_m[static_cast<std::size_t>(i)], range_m(k, i));
     }
   }

@@ -11,8 +11,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::int64_t now_ns = 0;
-std::int64_t fake_clock() { return now_ns; }
+std::int64_t clock_ns = 0;
+std::int64_t fake_clock() { return clock_ns; }
 
 /// What `job` writes to a terminal.
 template <class Job>
@@ -40,10 +40,10 @@ TEST(Progress, LineStaysSoundAtItsLimits) {
 
 TEST(Progress, RedrawsAtMostTenTimesASecondAndAtTheEnd) {
   const std::string text = shown([](std::FILE* terminal) {
-    now_ns = 0;
+    clock_ns = 0;
     Progress progress(1000, terminal, fake_clock);
     for (int done = 1; done <= 1000; ++done) {
-      now_ns += 1'000'000;
+      clock_ns += 1'000'000;
       progress.update(done, "note");
     }
   });
@@ -54,10 +54,10 @@ TEST(Progress, RedrawsAtMostTenTimesASecondAndAtTheEnd) {
 
 TEST(Progress, WritesALineEveryHalfMinuteIntoAPipeThatWantsThem) {
   const std::string text = shown([](std::FILE* pipe) {
-    now_ns = 0;
+    clock_ns = 0;
     Progress progress(100, pipe, fake_clock, false);
     for (int done = 1; done <= 100; ++done) {
-      now_ns += 1'000'000'000;
+      clock_ns += 1'000'000'000;
       progress.update(done, "note");
     }
   });

@@ -11,7 +11,7 @@
 namespace odoless {
 namespace {
 
-ReferencePoses read(std::string_view text) {
+ReferencePoses reference_poses_of(std::string_view text) {
   const test::TemporaryFolder folder;
   return read_reference_poses(folder.file("poses", text));
 }
@@ -24,25 +24,27 @@ void expect_pose(const ReferencePose& pose, double stamp_s, Pose2 expected) {
 }
 
 TEST(ReferencePoses, ReadsTheLasersPoseOfALog) {
-  const ReferencePoses flaser =
-      read("PARAM a 1\nFLASER 2 9 9 1 2 0.3 4 5 6 10.5 h 0\nODOM 1 2 3\nFLASER 2 9 9 2 2 0.4 4 5 6 11.5 h 0\n");
+  const ReferencePoses flaser = reference_poses_of(
+      "PARAM a 1\nFLASER 2 9 9 1 2 0.3 4 5 6 10.5 h 0\nODOM 1 2 3\nFLASER 2 9 9 2 2 0.4 4 5 6 11.5 h 0\n");
   EXPECT_TRUE(flaser.is_log);
   EXPECT_TRUE(flaser.has_stamps);
   ASSERT_EQ(flaser.poses.size(), 2U);
   expect_pose(flaser.poses[0], 10.5, {1, 2, 0.3});
   expect_pose(flaser.poses[1], 11.5, {2, 2, 0.4});
-  const ReferencePoses robot = read("ROBOTLASER1 0 -1 2 1 20 0 0 1 9 1 7 1 2 0.3 4 5 6 0 0 0 0 0 12.5 h 1\n");
+  const ReferencePoses robot =
+      reference_poses_of("ROBOTLASER1 0 -1 2 1 20 0 0 1 9 1 7 1 2 0.3 4 5 6 0 0 0 0 0 12.5 h 1\n");
   expect_pose(robot.poses.at(0), 12.5, {1, 2, 0.3});
 }
 
 TEST(ReferencePoses, SaysWhenTheStampsOfALogTellNothing) {
-  const ReferencePoses log = read("FLASER 1 9 1 2 0.3 4 5 6 0 h 0\nFLASER 1 9 1 2 0.3 4 5 6 0 h 0\n");
+  const ReferencePoses log = reference_poses_of("FLASER 1 9 1 2 0.3 4 5 6 0 h 0\nFLASER 1 9 1 2 0.3 4 5 6 0 h 0\n");
   EXPECT_FALSE(log.has_stamps);
   EXPECT_EQ(log.poses.size(), 2U);
 }
 
 TEST(ReferencePoses, ReadsTextAndTum) {
-  const ReferencePoses poses = read("# a comment\n1.5 1 2 0.5\n2.5 1 2 7 0 0 0.479425538604203 0.877582561890373\n");
+  const ReferencePoses poses =
+      reference_poses_of("# a comment\n1.5 1 2 0.5\n2.5 1 2 7 0 0 0.479425538604203 0.877582561890373\n");
   EXPECT_FALSE(poses.is_log);
   ASSERT_EQ(poses.poses.size(), 2U);
   expect_pose(poses.poses[0], 1.5, {1, 2, 0.5});
@@ -52,7 +54,7 @@ TEST(ReferencePoses, ReadsTextAndTum) {
 TEST(ReferencePoses, RefusesWhatIsNone) {
   for (const char* const text : {"", "# only\n", "Odometry 1 2 3\nLaser 1 2\n", "1 2 3\n", "1 2 3 4\n1 2 3 x\n",
                                  "1 2 3 nan\n", "1 2 3 4\nFLASER\n", "FLASER 1 9 1 2\n", "1 2 3 4\nhello\n"}) {
-    EXPECT_THROW(static_cast<void>(read(text)), DataError) << text;
+    EXPECT_THROW(static_cast<void>(reference_poses_of(text)), DataError) << text;
   }
   EXPECT_THROW(static_cast<void>(read_reference_poses("/nonexistent")), NoInputError);
 }

@@ -26,7 +26,7 @@ using test::run;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr double kDegreeRad = std::numbers::pi / 180.0;
+constexpr double kDegreeOfLogRad = std::numbers::pi / 180.0;
 
 /// A scan as a test may change it.
 struct Scan {
@@ -122,11 +122,11 @@ std::vector<Mistake> mistakes() {
       {"StampsOfTheEpochInMilliseconds", of_each([](Scan& scan) { scan.stamp_s = (scan.stamp_s + 1.6e9) * 1000.0; }),
        true},
       {"AnglesInDegrees", of_each([](Scan& scan) {
-         scan.start_rad /= kDegreeRad;
-         scan.step_rad /= kDegreeRad;
+         scan.start_rad /= kDegreeOfLogRad;
+         scan.step_rad /= kDegreeOfLogRad;
        }),
        true},
-      {"StartAloneInDegrees", of_each([](Scan& scan) { scan.start_rad /= kDegreeRad; })},
+      {"StartAloneInDegrees", of_each([](Scan& scan) { scan.start_rad /= kDegreeOfLogRad; })},
       {"TwiceTheStep", of_each([](Scan& scan) { scan.step_rad *= 2.0; })},
       {"HalfTheStep", of_each([](Scan& scan) { scan.step_rad *= 0.5; })},
       {"RangesInMillimetres", of_each([](Scan& scan) { scale_ranges(scan, 1000.0); }), true},

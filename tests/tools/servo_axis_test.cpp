@@ -13,7 +13,7 @@ using test::kServoMs;
 using test::kServoSecond;
 using test::ServoBench;
 
-constexpr double kResolutionRad = 0.0016;  ///< 4096 steps per turn
+constexpr double kAxisStepRad = 0.0016;  ///< 4096 steps per turn
 
 class TiltAxis : public ::testing::TestWithParam<test::TestedServo> {
  protected:
@@ -57,7 +57,7 @@ TEST_P(TiltAxis, TheAxisSinksNotWhileTheLineIsLostAndComesBack) {
       bench.run(3 * kServoSecond);
       EXPECT_EQ(bench.session().state(), held);
       for (std::size_t i = first; i < bench.truth().size(); ++i) {
-        ASSERT_NEAR(bench.truth()[i].angle_rad, 0.0, kResolutionRad);
+        ASSERT_NEAR(bench.truth()[i].angle_rad, 0.0, kAxisStepRad);
       }
     }
   }

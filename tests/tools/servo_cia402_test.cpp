@@ -12,12 +12,11 @@ namespace odoless {
 namespace {
 
 using canopen::NodeState;
+using test::faults_of;
 using test::kServoMs;
 using test::kServoSecond;
 using test::servo_params;
 using test::ServoBench;
-
-std::vector<Fault> faults_of(const std::string& text) { return {parse_fault(text)}; }
 
 TiltParams can_params() { return servo_params(TiltDriver::kCia402); }
 

@@ -14,14 +14,13 @@ namespace odoless {
 
 namespace {
 
+using test::faults_of;
 using test::kServoMs;
 using test::kServoSecond;
 using test::servo_params;
 using test::ServoBench;
 
 constexpr double kContractResolutionRad = 0.0016;  ///< 4096 steps per turn
-
-std::vector<Fault> faults_of_each(const std::string& text) { return {parse_fault(text)}; }
 
 class TiltContract : public ::testing::TestWithParam<test::TestedServo> {
  protected:
@@ -166,7 +165,7 @@ TEST_P(TiltContract, ToldToStopBeforeItIsThereItDoesNotMove) {
 }
 
 TEST_P(TiltContract, AStopHoldsThroughAReboot) {
-  ServoBench bench(params(TiltCommand::kStop), faults_of_each("reboot@1"));
+  ServoBench bench(params(TiltCommand::kStop), faults_of("reboot@1"));
   bench.reset();
   bench.run(4 * kServoSecond);
   EXPECT_EQ(bench.session().state(), TiltState::kStopped);
@@ -174,7 +173,7 @@ TEST_P(TiltContract, AStopHoldsThroughAReboot) {
 }
 
 TEST_P(TiltContract, AStalledServoIsToldAndStoppedAndTriedAgain) {
-  ServoBench bench(params(TiltCommand::kSweep), faults_of_each("stall@2:1"));
+  ServoBench bench(params(TiltCommand::kSweep), faults_of("stall@2:1"));
   bench.reset();
   bench.run(2 * kServoSecond);
   ASSERT_EQ(bench.session().state(), TiltState::kSweeping);
@@ -196,7 +195,7 @@ TEST_P(TiltContract, AStalledServoIsToldAndStoppedAndTriedAgain) {
 }
 
 TEST_P(TiltContract, AServoThatStaysJammedIsTriedAgainAndAgainAndNeverSaysThatItMoves) {
-  ServoBench bench(params(TiltCommand::kSweep), faults_of_each("stall@2"));
+  ServoBench bench(params(TiltCommand::kSweep), faults_of("stall@2"));
   bench.reset();
   bench.run(2 * kServoSecond);
   const double jammed_rad = bench.angle_rad();
@@ -213,7 +212,7 @@ TEST_P(TiltContract, AServoThatStaysJammedIsTriedAgainAndAgainAndNeverSaysThatIt
 }
 
 TEST_P(TiltContract, AServoThatFallsSilentIsToldAndComesBack) {
-  ServoBench bench(params(), faults_of_each("silence@2:1"));
+  ServoBench bench(params(), faults_of("silence@2:1"));
   bench.reset();
   bench.run(1900 * kServoMs);
   ASSERT_EQ(bench.session().state(), TiltState::kLevel);
@@ -228,7 +227,7 @@ TEST_P(TiltContract, AServoThatFallsSilentIsToldAndComesBack) {
 }
 
 TEST_P(TiltContract, AServoThatStartsAnewIsSetUpAnew) {
-  ServoBench bench(params(), faults_of_each("reboot@2:0.3"));
+  ServoBench bench(params(), faults_of("reboot@2:0.3"));
   bench.reset();
   bench.run(2 * kServoSecond);
   EXPECT_GT(bench.run_until([&] { return bench.heard().count(TiltEventType::kReady) == 2; }, 3 * kServoSecond), 0);
@@ -238,7 +237,7 @@ TEST_P(TiltContract, AServoThatStartsAnewIsSetUpAnew) {
 }
 
 TEST_P(TiltContract, AServoThatReportsAFaultIsToldAndSwitchedOnAgain) {
-  ServoBench bench(params(), faults_of_each("error=32@2:1"));
+  ServoBench bench(params(), faults_of("error=32@2:1"));
   bench.reset();
   bench.run(2500 * kServoMs);
   EXPECT_EQ(bench.session().state(), TiltState::kFault);
@@ -250,7 +249,7 @@ TEST_P(TiltContract, AServoThatReportsAFaultIsToldAndSwitchedOnAgain) {
 }
 
 TEST_P(TiltContract, DamagedFramesAreRefusedAndNoWrongAngleIsPassedOn) {
-  ServoBench bench(params(), faults_of_each("wrong-sum@2:0.04"));
+  ServoBench bench(params(), faults_of("wrong-sum@2:0.04"));
   bench.reset();
   bench.run(4 * kServoSecond);
   EXPECT_GE(bench.session().counters().rejected, 1U);
@@ -259,7 +258,7 @@ TEST_P(TiltContract, DamagedFramesAreRefusedAndNoWrongAngleIsPassedOn) {
 }
 
 TEST_P(TiltContract, AClockThatDriftsMattersNot) {
-  ServoBench bench(params(TiltCommand::kSweep), faults_of_each("drift=1000@0"));
+  ServoBench bench(params(TiltCommand::kSweep), faults_of("drift=1000@0"));
   bench.reset();
   bench.run(10 * kServoSecond);
   EXPECT_EQ(bench.session().counters().restarts, 0U);
@@ -280,7 +279,7 @@ TEST_P(TiltContract, AHostThatSleptFindsTheServoStoppedAndGoesOn) {
 }
 
 TEST_P(TiltContract, AServoThatIsNotThereCostsNoBusyLoop) {
-  ServoBench bench(params(), faults_of_each("silence@0"));
+  ServoBench bench(params(), faults_of("silence@0"));
   bench.reset();
   for (int i = 0; i < 100; ++i) {
     bench.run(20 * kServoMs);
@@ -310,7 +309,7 @@ TEST_P(TiltContract, NothingIsAllocatedAfterConstruction) {
   if (!AllocationGuard::kWorks) {
     GTEST_SKIP() << "the sanitizer has malloc; the released build runs this";
   }
-  const std::unique_ptr<EmulatedServo> servo = ServoBench::make_servo(params(), faults_of_each("stall@1:1"));
+  const std::unique_ptr<EmulatedServo> servo = ServoBench::make_servo(params(), faults_of("stall@1:1"));
   const auto session = make_tilt_session(params());
   Counter counter;
   std::int64_t calls = 0;

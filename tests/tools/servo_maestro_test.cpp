@@ -10,6 +10,7 @@
 namespace odoless {
 namespace {
 
+using test::faults_of;
 using test::kServoMs;
 using test::kServoSecond;
 using test::ServoBench;
@@ -32,8 +33,6 @@ std::unique_ptr<EmulatedServo> running_servo(double droop_radps = 0.0) {
   options.droop_radps = droop_radps;
   return std::make_unique<MaestroDevice>(options, kStartNs);
 }
-
-std::vector<Fault> faults_of(const std::string& text) { return {parse_fault(text)}; }
 
 void expect_samples_true(const ServoBench& bench, const std::vector<TiltSample>& samples) {
   std::int64_t last_ns = 0;

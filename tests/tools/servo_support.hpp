@@ -3,12 +3,14 @@
 #include <functional>
 #include <memory>
 #include <ostream>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "drivers/tilt/tilt_line.hpp"
 #include "tools/emulate/cia402_device.hpp"
 #include "tools/emulate/dynamixel_device.hpp"
+#include "tools/emulate/faults.hpp"
 #include "tools/emulate/maestro_device.hpp"
 
 namespace odoless::test {
@@ -53,6 +55,8 @@ inline TiltParams servo_params(TiltDriver driver) {
   params.driver = driver;
   return params;
 }
+
+inline std::vector<Fault> faults_of(const std::string& text) { return {parse_fault(text)}; }
 
 /// Of the contract's: a servo that measures where it is.
 struct TestedServo {

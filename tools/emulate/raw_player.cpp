@@ -7,7 +7,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kNeverNs = std::numeric_limits<std::int64_t>::max();
 
 }  // namespace
 
@@ -116,12 +116,12 @@ std::vector<std::string> RawPlayer::take_due(std::int64_t now_ns) {
 std::int64_t RawPlayer::due_ns(std::int64_t recorded_us) const {
   const bool is_known =
       was_addressed_ && (next_command_ == pieces_.size() || recorded_us < pieces_[next_command_].time_us);
-  return is_known ? recorded_us * 1000 + offset_ns_ : kNever;
+  return is_known ? recorded_us * 1000 + offset_ns_ : kNeverNs;
 }
 
 std::int64_t RawPlayer::next_event_ns() const {
-  return std::min(due_ns_.empty() ? kNever : due_ns_.begin()->second,
-                  repeated_.empty() ? kNever : repeated_.begin()->first);
+  return std::min(due_ns_.empty() ? kNeverNs : due_ns_.begin()->second,
+                  repeated_.empty() ? kNeverNs : repeated_.begin()->first);
 }
 
 }  // namespace odoless

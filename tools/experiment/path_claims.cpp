@@ -17,7 +17,7 @@ double max_of(std::span<const double> errors_m) {
 
 double median_of(std::span<const double> errors_m) { return quantile({errors_m.begin(), errors_m.end()}, 0.5); }
 
-std::string in_mm(double error_m) { return fmt::format("{:.0f} mm", error_m * 1e3); }
+std::string in_whole_mm(double error_m) { return fmt::format("{:.0f} mm", error_m * 1e3); }
 
 }  // namespace
 
@@ -26,8 +26,8 @@ Claim error_accumulates(std::span<const double> errors_m) {
   const double first_m = max_of(errors_m.first(third));
   const double last_m = max_of(errors_m.last(third));
   return {"5.7", "by scan matching alone the error inevitably grows with the poses",
-          fmt::format("largest error of the first third {}, of the last {}; at the end {}", in_mm(first_m),
-                      in_mm(last_m), in_mm(errors_m.empty() ? 0.0 : errors_m.back())),
+          fmt::format("largest error of the first third {}, of the last {}; at the end {}", in_whole_mm(first_m),
+                      in_whole_mm(last_m), in_whole_mm(errors_m.empty() ? 0.0 : errors_m.back())),
           last_m > first_m};
 }
 
@@ -37,7 +37,7 @@ Claim error_is_mostly_small(std::span<const double> errors_m) {
   const double share = static_cast<double>(small) / static_cast<double>(std::max<std::size_t>(1, errors_m.size()));
   return {"5.25", "with DP-SLAM the error is kept mostly under 300 mm",
           fmt::format("{:.1f} % of {} poses; median {}, largest {}", 100.0 * share, errors_m.size(),
-                      in_mm(median_of(errors_m)), in_mm(max_of(errors_m))),
+                      in_whole_mm(median_of(errors_m)), in_whole_mm(max_of(errors_m))),
           share >= kMostly};
 }
 
@@ -46,20 +46,20 @@ Claim error_does_not_grow(std::span<const double> errors_m) {
   const double first_m = median_of(errors_m.first(third));
   const double last_m = median_of(errors_m.last(third));
   return {"5.25", "with DP-SLAM the error does not increase with time",
-          fmt::format("median error of the first third {}, of the last {}", in_mm(first_m), in_mm(last_m)),
+          fmt::format("median error of the first third {}, of the last {}", in_whole_mm(first_m), in_whole_mm(last_m)),
           last_m <= std::max(2.0 * first_m, kSeedErrorMaxM / 2.0)};
 }
 
 Claim error_is_tiny(std::span<const double> errors_m) {
   constexpr double kAimM = 0.1;
-  return {"5.25", "our aim: never more than 100 mm", fmt::format("largest {}", in_mm(max_of(errors_m))),
+  return {"5.25", "our aim: never more than 100 mm", fmt::format("largest {}", in_whole_mm(max_of(errors_m))),
           !errors_m.empty() && max_of(errors_m) <= kAimM};
 }
 
 Claim filter_beats_matches(std::span<const double> filter_m, std::span<const double> matches_m) {
   return {"5.25", "comparing with Figure 5.7, DP-SLAM keeps the error down",
-          fmt::format("largest {} with DP-SLAM, {} by scan matching alone", in_mm(max_of(filter_m)),
-                      in_mm(max_of(matches_m))),
+          fmt::format("largest {} with DP-SLAM, {} by scan matching alone", in_whole_mm(max_of(filter_m)),
+                      in_whole_mm(max_of(matches_m))),
           !filter_m.empty() && max_of(filter_m) < max_of(matches_m)};
 }
 

@@ -10,8 +10,8 @@
 namespace odoless {
 namespace {
 
-constexpr int kBeams = 120;
-constexpr ScanParams kRecoveryScan{.beams_max = kBeams, .range_max_m = 20.0};
+constexpr int kBeamsOfRoom = 120;
+constexpr ScanParams kRecoveryScan{.beams_max = kBeamsOfRoom, .range_max_m = 20.0};
 
 SlamParams small_slam() {
   SlamParams params;
@@ -24,7 +24,8 @@ SlamParams small_slam() {
 /// A filter that has mapped the room, each scan of it seen by the recovery first; and the recovery's figures, anew.
 class RecoveryTest : public ::testing::Test {
  protected:
-  RecoveryTest() : slam_(small_slam(), kRecoveryScan, 5), room_(4, kBeams), recovery_(params_, kRecoveryScan, slam_) {
+  RecoveryTest()
+      : slam_(small_slam(), kRecoveryScan, 5), room_(4, kBeamsOfRoom), recovery_(params_, kRecoveryScan, slam_) {
     for (int i = 0; i < 2 * params_.tracking.updates_min; ++i) {
       room_.step();
       EXPECT_TRUE(i == 0 || advice() == Advice::kGoOn) << i;
