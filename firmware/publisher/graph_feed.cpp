@@ -187,8 +187,11 @@ std::optional<MapCorrection> GraphFeed::take_correction() {
 
 void GraphFeed::place(PoseRecord& pose) {
   const std::lock_guard lock(queue_mutex_);
-  if (pose.map_number != placed_number_) {
-    return;  // its first keyframe is not here yet: the map begins where the filter has it
+  if (pose.map_number != placed_number_) {  // without a keyframe here yet: it begins where the filter has it
+    health_.map_T_odom = pose.map_T_odom;
+    health_.undrifted = 1.0;
+    health_.has_drifted = false;
+    return;
   }
   const Pose2 map_T_odom = filter_->follow(pose.map_T_odom, pose.odom_T_scan);
   const double turn_rad = map_T_odom.yaw_rad - pose.map_T_odom.yaw_rad;

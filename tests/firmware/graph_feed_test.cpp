@@ -16,6 +16,8 @@ namespace {
 /// A robot in a room whose keyframes go to the graph; the filter's own map is displaced in the world.
 class GraphFeedRun : public ::testing::Test {
  protected:
+  explicit GraphFeedRun(const RobotParams& params = {}) : feed_(params, 1, true) {}
+
   void SetUp() override { ASSERT_EQ(feed_.start(), 0); }
 
   PoseRecord drive(int scans) {
@@ -41,7 +43,7 @@ class GraphFeedRun : public ::testing::Test {
   }
 
   Pose2 map_T_odom_{};  ///< as the filter has it
-  GraphFeed feed_{RobotParams{}, 1, true};
+  GraphFeed feed_;
 
  private:
   KeyframeGate gate_{GraphParams{}};
@@ -90,6 +92,29 @@ TEST_F(GraphFeedRun, PutsPosesIntoTheWorld) {
   const Pose2 before = pose.map_T_scan;
   feed_.place(pose);
   EXPECT_EQ(pose.map_T_scan.distance_m(before), 0.0);
+}
+
+RobotParams more_certain_than_can_be() {
+  RobotParams params;
+  params.recovery.tracking.sure_probability = 1.01;
+  return params;
+}
+
+/// As if any place had drifted too far for OK.
+class DriftedGraphFeed : public GraphFeedRun {
+ protected:
+  DriftedGraphFeed() : GraphFeedRun(more_certain_than_can_be()) {}
+};
+
+TEST_F(DriftedGraphFeed, AMapBegunAnewHasNotDrifted) {
+  PoseRecord pose = drive(200);
+  EXPECT_TRUE(feed_.health().has_drifted);
+  pose.map_number = 1;
+  pose.map_T_odom = {3.0, 0.0, 0.0};
+  feed_.place(pose);
+  EXPECT_FALSE(feed_.health().has_drifted);
+  EXPECT_EQ(feed_.health().undrifted, 1.0);
+  EXPECT_EQ(feed_.health().map_T_odom.x_m, 3.0);
 }
 
 TEST_F(GraphFeedRun, TellsOfEachLoopClosureThatCorrectsThePose) {

@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kGuardPeriod_ns = 25'000'000;
 using test::kSecond;
 constexpr std::int64_t kHour_ns = 3600 * kSecond;
-constexpr double kStep_m = 0.02;
+constexpr double kScanStep_m = 0.02;
 
 /// A matcher whose robot goes straight on, and a guard that hears each motion when it is made.
 class MotionGuardTest : public ::testing::Test {
@@ -21,11 +21,11 @@ class MotionGuardTest : public ::testing::Test {
   Motion next() {
     now_ns_ += kGuardPeriod_ns;
     stamp_ns_ += kGuardPeriod_ns;
-    odom_T_scan_ = odom_T_scan_ * Pose2{kStep_m, 0.0, 0.0};
+    odom_T_scan_ = odom_T_scan_ * Pose2{kScanStep_m, 0.0, 0.0};
     return motion();
   }
   [[nodiscard]] Motion motion() const {
-    Motion motion = Motion::between(stamp_ns_ - kGuardPeriod_ns, stamp_ns_, {kStep_m, 0.0, 0.0});
+    Motion motion = Motion::between(stamp_ns_ - kGuardPeriod_ns, stamp_ns_, {kScanStep_m, 0.0, 0.0});
     motion.odom_T_current = odom_T_scan_;
     motion.set_error(
         ErrorProcess::independent(motion.previous_T_current, Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal()));
