@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/base/check.hpp"
-#include "tests/tools/servo_support.hpp"
+#include "tests/support/servo_support.hpp"
 
 namespace odoless::test {
 

@@ -10,8 +10,8 @@
 
 #include "core/base/rng.hpp"
 #include "drivers/lrf/sick/telegram.hpp"
+#include "tests/support/servo_support.hpp"
 #include "tests/tools/emulate_support.hpp"
-#include "tests/tools/servo_support.hpp"
 
 namespace odoless {
 namespace {

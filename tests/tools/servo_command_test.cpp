@@ -10,8 +10,8 @@
 #include "rt/clock.hpp"
 #include "tests/support/command_process.hpp"
 #include "tests/support/run_command.hpp"
+#include "tests/support/servo_support.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tests/tools/servo_support.hpp"
 
 namespace odoless {
 namespace {

@@ -16,7 +16,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-std::string error_of(const std::string& text) {
+std::string refusal_of(const std::string& text) {
   try {
     static_cast<void>(parse_world(text, "my.world"));
   } catch (const DataError& error) {
@@ -91,11 +91,11 @@ TEST(WorldFile, ErrorsSayWhereAndWhatWouldBeRight) {
                                     {"go 3 3\n\ngo 3 3", "my.world:3: ", "1 mm apart"},
                                     {"wall 2 -1 2 1\ngo -1 0\ngo 0 0\ngo 5 0",
                                      "my.world:4: the path from 0 0 to 5 0 hits a surface after 2.00 m", "door"}}) {
-    EXPECT_THAT(error_of(wrong.text + go),
+    EXPECT_THAT(refusal_of(wrong.text + go),
                 AllOf(StartsWith(wrong.place), HasSubstr("expected"), HasSubstr(wrong.right)))
         << wrong.text;
   }
-  EXPECT_THAT(error_of("room 0 0 4 3\ngo 1 1"), AllOf(StartsWith("my.world: "), HasSubstr("two points or more")));
+  EXPECT_THAT(refusal_of("room 0 0 4 3\ngo 1 1"), AllOf(StartsWith("my.world: "), HasSubstr("two points or more")));
 }
 
 TEST(WorldFile, HelpNamesEveryStatement) {
@@ -118,7 +118,7 @@ TEST(WorldFile, DamagedFilesAreReadOrRefusedButNeverCrash) {
     for (std::uint32_t i = rng.below(6); i > 0; --i) {
       damaged[rng.below(static_cast<std::uint32_t>(damaged.size()))] = static_cast<char>(rng.below(256));
     }
-    refused += error_of(damaged) == "no error" ? 0 : 1;
+    refused += refusal_of(damaged) == "no error" ? 0 : 1;
   }
   EXPECT_GT(refused, 100);
 }

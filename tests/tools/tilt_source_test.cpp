@@ -11,7 +11,7 @@
 #include <string>
 
 #include "firmware/sources/tilt_event_text.hpp"
-#include "tests/tools/servo_support.hpp"
+#include "tests/support/servo_support.hpp"
 
 namespace odoless {
 namespace {

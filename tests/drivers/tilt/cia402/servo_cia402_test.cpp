@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/rng.hpp"
-#include "tests/tools/servo_support.hpp"
+#include "tests/support/servo_support.hpp"
 
 namespace odoless {
 namespace {

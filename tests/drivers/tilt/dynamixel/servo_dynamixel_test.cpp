@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "drivers/tilt/dynamixel/control_table.hpp"
-#include "tests/tools/servo_support.hpp"
+#include "tests/support/servo_support.hpp"
 
 namespace odoless {
 namespace {

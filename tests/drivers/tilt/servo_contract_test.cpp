@@ -8,7 +8,7 @@
 
 #include "drivers/tilt/tilt_history.hpp"
 #include "tests/support/allocation_guard.hpp"
-#include "tests/tools/servo_support.hpp"
+#include "tests/support/servo_support.hpp"
 
 namespace odoless {
 

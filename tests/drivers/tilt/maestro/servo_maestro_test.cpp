@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "drivers/tilt/maestro/command.hpp"
-#include "tests/tools/servo_support.hpp"
+#include "tests/support/servo_support.hpp"
 
 namespace odoless {
 namespace {

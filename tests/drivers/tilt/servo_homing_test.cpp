@@ -1,7 +1,7 @@
 // When a CANopen drive is to find its zero: once per power-up, as the drive itself knows.
 #include <gtest/gtest.h>
 
-#include "tests/tools/servo_support.hpp"
+#include "tests/support/servo_support.hpp"
 
 namespace odoless {
 namespace {
