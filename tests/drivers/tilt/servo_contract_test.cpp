@@ -115,6 +115,39 @@ TEST_P(TiltContract, TheAngleOfEachBeamIsFoundBetweenTheSamples) {
   }
 }
 
+TEST_P(TiltContract, VelocitiesAreThoseOfTheAngles) {
+  if (GetParam().is_cyclic) {
+    GTEST_SKIP() << "the emulated drive stands when it is asked, at the end of the way that it was sent";
+  }
+  TiltParams inverted = params(TiltCommand::kSweep);
+  inverted.inverted = true;
+  ServoBench bench(inverted);
+  bench.reset();
+  bench.run(4 * kServoSecond);
+  const auto mean_radps = [&](std::int64_t from_ns) {
+    constexpr std::int64_t kSpanNs = 20 * kServoMs;
+    return (bench.true_angle_rad(from_ns + kSpanNs) - bench.true_angle_rad(from_ns)) / (kSpanNs * 1e-9);
+  };
+  int steady = 0;
+  for (const TiltSample& sample : bench.heard().samples) {
+    const double radps = mean_radps(sample.stamp_ns);
+    if (std::abs(radps) > 0.1 && std::abs(mean_radps(sample.stamp_ns - 30 * kServoMs) - radps) < 1e-3) {
+      ++steady;
+      ASSERT_NEAR(sample.velocity_radps, radps, 0.03);
+    }
+  }
+  EXPECT_GT(steady, 50);
+}
+
+TEST_P(TiltContract, CountsItsBringUpsAfterTheFirst) {
+  ServoBench bench(params());
+  bench.reset();
+  EXPECT_EQ(bench.session().counters().restarts, 0U);
+  bench.reset();
+  bench.reset();
+  EXPECT_EQ(bench.session().counters().restarts, 2U);
+}
+
 TEST_P(TiltContract, StopsWithin200MsAndStaysSo) {
   ServoBench bench(params(TiltCommand::kSweep));
   bench.reset();

@@ -63,6 +63,15 @@ TEST(SopasReader, AWrongSumOrLengthCostsNoOtherTelegram) {
   EXPECT_EQ(outcomes_of(kStartAscii.substr(0, 9) + kStartAscii), (std::vector{Outcome::kSkipped, Outcome::kTelegram}));
 }
 
+TEST(SopasReader, ATelegramOfTheGreatestLengthIsTakenAndNoLongerOne) {
+  constexpr std::size_t kMost = 4096;
+  for (const bool is_longer : {false, true}) {
+    const std::string text(kMost - std::string("sSN ").size() + (is_longer ? 1 : 0), '1');
+    const auto expected = std::vector{is_longer ? Outcome::kSkipped : Outcome::kTelegram, Outcome::kTelegram};
+    EXPECT_EQ(outcomes_of("\x02sSN " + text + "\x03" + kStartAscii), expected);
+  }
+}
+
 TEST(SopasTelegram, ARefusalTellsItsCodeInEveryForm) {
   EXPECT_EQ((Telegram{Dialect::kAscii, "sFA 3"}.refusal_code()), 3);
   EXPECT_EQ((Telegram{Dialect::kAscii, "sFA 1A"}.refusal_code()), 26);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 #include "drivers/tilt/maestro/command.hpp"
 #include "tests/support/servo_support.hpp"
@@ -125,6 +126,30 @@ TEST(MaestroSession, ToldToStopItLeavesAServoThatIsOffAlone) {
   bench.command(TiltCommand::kLevel);
   EXPECT_GE(bench.run_until(TiltState::kLevel, 100 * kServoMs), 0);
   EXPECT_TRUE(bench.servo_as<MaestroDevice>().has_pulse());
+}
+
+TEST(MaestroSession, StampsAreTakenBackByTheTimeOnTheLine) {
+  TiltParams params = maestro_params();
+  params.baud = 9600;
+  ServoBench bench(params, running_servo());
+  std::deque<std::vector<ServoFrame>> late(20);  // by 5 ms
+  bench.to_session = [&](std::vector<ServoFrame>& frames) {
+    late.push_back(std::exchange(frames, late.front()));
+    late.pop_front();
+  };
+  bench.reset();
+  bench.run(kServoSecond);
+  ASSERT_GT(bench.heard().samples.size(), 10U);
+  for (const TiltSample& sample : bench.heard().samples) {
+    ASSERT_EQ(sample.arrival_ns - sample.stamp_ns, 2 * 10 * kServoSecond / 9600);
+  }
+}
+
+TEST(MaestroSession, CountsItsBringUpsAfterTheFirst) {
+  ServoBench bench(maestro_params(), running_servo());
+  bench.reset();
+  bench.reset();
+  EXPECT_EQ(bench.session().counters().restarts, 1U);
 }
 
 TEST(MaestroSession, SilenceAndARebootAreToldOnceAndOver) {
