@@ -14,6 +14,7 @@ using cia402::PowerState;
 
 constexpr std::int64_t kTickNs = 1'000'000;
 constexpr std::uint32_t kIdMask = 0x7FF;
+constexpr double kEncoderS = 4e-3;  // for which an encoder's counts make a velocity
 
 /// Values of 6007h: what the drive does when its master is lost.
 enum AbortOption : std::uint32_t { kNoAction, kFaultOption, kDisableVoltageOption, kQuickStopOption };
@@ -29,6 +30,7 @@ Cia402Device::Cia402Device(Cia402DeviceOptions options, std::int64_t now_ns)
       dictionary_(options_.node),
       sdo_(options_.node),
       motor_(counts(options_.start_rad)),
+      measured_from_counts_(motor_.position_counts()),
       last_tick_ns_(now_ns) {
   reset_communication(now_ns);
 }
@@ -275,6 +277,7 @@ void Cia402Device::tick(std::int64_t now_ns) {
     motor_.push(counts(options_.droop_radps) * elapsed_s);
   }
   follow_motion();
+  measure_velocity();
   follow_master();
   if (node_state_ == NodeState::kOperational) {
     refresh();
@@ -292,13 +295,22 @@ void Cia402Device::tick(std::int64_t now_ns) {
   }
 }
 
+void Cia402Device::measure_velocity() {
+  const double axis_counts = motor_.position_counts() + zero_counts_;
+  if (const double elapsed_s = now_s_ - measured_from_s_; elapsed_s >= kEncoderS) {
+    measured_counts_per_s_ = (axis_counts - measured_from_counts_) / elapsed_s;
+    measured_from_s_ = now_s_;
+    measured_from_counts_ = axis_counts;
+  }
+}
+
 std::int64_t Cia402Device::next_event_ns() const { return last_tick_ns_ + kTickNs; }
 
 void Cia402Device::refresh() {
   dictionary_.set({0x6041, 0}, status_word());
   dictionary_.set({0x6061, 0}, dictionary_.get({0x6060, 0}));
   dictionary_.set({0x6064, 0}, static_cast<std::uint32_t>(static_cast<std::int32_t>(motor_.position_counts())));
-  dictionary_.set({0x606C, 0}, static_cast<std::uint32_t>(static_cast<std::int32_t>(motor_.velocity_counts_per_s())));
+  dictionary_.set({0x606C, 0}, static_cast<std::uint32_t>(static_cast<std::int32_t>(measured_counts_per_s_)));
 }
 
 }  // namespace odoless

@@ -66,6 +66,7 @@ class Cia402Device final : public EmulatedServo {
   void fail(std::uint16_t code);
   void follow_faults(std::int64_t now_ns);
   void follow_motion();
+  void measure_velocity();
   void follow_master();
   void on_master_lost();
   void damage_output(std::int64_t now_ns);
@@ -82,6 +83,9 @@ class Cia402Device final : public EmulatedServo {
   ProcessData pdos_{dictionary_};
   NodeErrors errors_{dictionary_};
   ServoMotor motor_;
+  double measured_from_s_ = 0.0;  ///< the velocity that it tells, by its encoder: from when and where on
+  double measured_from_counts_ = 0.0;
+  double measured_counts_per_s_ = 0.0;
   double zero_counts_ = 0.0;  ///< where the zero is, by that at first
   std::vector<ServoFrame> output_;
   canopen::NodeState node_state_ = canopen::NodeState::kBootUp;
