@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <sysexits.h>
 
-#include <cstring>
-
 #include "firmware/daemon/crash_report.hpp"
 #include "firmware/daemon/log.hpp"
 #include "firmware/daemon/machine.hpp"
@@ -20,8 +18,6 @@ namespace odoless {
 namespace {
 
 constexpr std::int64_t kPublishRound_ns = 5'000'000;
-
-std::string reason_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe)
 
 /// The publisher's thread, as long as it lives.
 class PublisherThread {

@@ -32,8 +32,6 @@ constexpr std::size_t kOther_bytes = std::size_t{8} << 20;
 
 constexpr double kMbPerByte = 1e-6;
 
-std::string system_reason(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe): one thread
-
 // -1: there is no limit.
 double limit_mb(__rlimit_resource resource) {
   rlimit limit{};
@@ -57,10 +55,12 @@ Lack lack_of_folder(const std::filesystem::path& folder, const char* origin) {
   return error == 0 ? Lack{}
                     : Lack{EX_CANTCREAT, fmt::format("{}: no file can be made there: {} ({}); a folder is needed that "
                                                      "is there and that this user may write to",
-                                                     folder.string(), system_reason(error), origin)};
+                                                     folder.string(), reason_of(error), origin)};
 }
 
 }  // namespace
+
+std::string reason_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe): one thread
 
 void hold_standard_descriptors() {
   for (int descriptor = 0; descriptor <= 2;) {
@@ -99,7 +99,7 @@ Lack lack_of_descriptors(int connections) {
       probes.clear();
       return {EX_OSERR, fmt::format("only {} files can be opened ({}), and {} are needed: the limit must be higher "
                                     "(ulimit -n, LimitNOFILE of systemd)",
-                                    i, system_reason(error), needed)};
+                                    i, reason_of(error), needed)};
     }
   }
   return {};
@@ -122,7 +122,7 @@ Lack lack_of_memory(std::size_t map_cells) {
   if (probe == MAP_FAILED) {
     return {EX_OSERR,
             fmt::format("memory: {:.1f} MB more are needed to run and to save the map: {}{}",
-                        static_cast<double>(size_bytes) * kMbPerByte, system_reason(errno), memory_limits_text())};
+                        static_cast<double>(size_bytes) * kMbPerByte, reason_of(errno), memory_limits_text())};
   }
   ::munmap(probe, size_bytes);
   return {};
@@ -143,7 +143,7 @@ Lack lack_of_threads(int threads) {
   return error == 0 ? Lack{}
                     : Lack{EX_OSERR, fmt::format("only {} of {} threads can be made ({}): the limit must be higher "
                                                  "(ulimit -u, TasksMax of systemd){}",
-                                                 made, threads, system_reason(error), memory_limits_text())};
+                                                 made, threads, reason_of(error), memory_limits_text())};
 }
 
 std::string memory_limits_text() {

@@ -14,6 +14,9 @@ struct Lack {
   std::string text{};
 };
 
+/// The system's words for an error number. Thread: that of the start.
+[[nodiscard]] std::string reason_of(int error);
+
 /// Standard input, output and error that are closed become /dev/null: the laser's line must not take their numbers, or
 /// log lines would go to it.
 void hold_standard_descriptors();

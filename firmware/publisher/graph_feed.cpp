@@ -187,7 +187,8 @@ std::optional<MapCorrection> GraphFeed::take_correction() {
 
 void GraphFeed::place(PoseRecord& pose) {
   const std::lock_guard lock(queue_mutex_);
-  if (pose.map_number != placed_number_) {  // without a keyframe here yet: it begins where the filter has it
+  // Before its first keyframe is here, a map begins where the filter has it.
+  if (pose.map_number != placed_number_) {
     health_.map_T_odom = pose.map_T_odom;
     health_.undrifted = 1.0;
     health_.has_drifted = false;
