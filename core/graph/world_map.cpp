@@ -1,119 +1,106 @@
 #include "core/graph/world_map.hpp"
 
 #include <algorithm>
-#include <climits>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <vector>
+
+#include "core/graph/map_piece.hpp"
 
 namespace odoless {
 namespace {
 
 constexpr double kCells_max = 1e8;  // of what is written; beyond, cells are twice as large, and so on
 
-/// What all beams may cover.
-double area_m2(std::span<const PlacedKeyframe> placed) {
-  constexpr double kNone_m = std::numeric_limits<double>::infinity();
-  Point2 least_m{kNone_m, kNone_m};
-  Point2 most_m{-kNone_m, -kNone_m};
-  for (const auto& [keyframe, pose, reach_m] : placed) {
-    least_m = {std::min(least_m.x_m, pose.x_m - reach_m), std::min(least_m.y_m, pose.y_m - reach_m)};
-    most_m = {std::max(most_m.x_m, pose.x_m + reach_m), std::max(most_m.y_m, pose.y_m + reach_m)};
-  }
-  return placed.empty() ? 0.0 : (most_m.x_m - least_m.x_m) * (most_m.y_m - least_m.y_m);
-}
-
-}  // namespace
-
-void WorldMap::render(const SubmapWorld& world, const ScanParams& scan) {
-  std::vector<PlacedKeyframe> placed;
-  for_each_keyframe(world, [&](int keyframe, const Pose2& map_T_scan) {
-    placed.push_back({keyframe, map_T_scan, world.store.farthest_m(keyframe)});
-  });
-  while (area_m2(placed) > kCells_max * resolution_m_ * resolution_m_) {
-    resolution_m_ *= 2.0;
-  }
-  std::set<PieceIndex> pieces;
-  for (const PlacedKeyframe& each : placed) {
-    for_each_piece(each, resolution_m_, [&pieces](const PieceIndex& index) { pieces.insert(index); });
-  }
-  cover(pieces);
-  ScanFrame frame(scan);
-  const BeamModel model(beam_, resolution_m_);
-  MapPiece piece(resolution_m_);
-  for (const PieceIndex& index : pieces) {
-    piece.begin(index);
-    for (const PlacedKeyframe& each : placed) {
-      piece.add(world.store, each, model, frame);
+/// What beams go over.
+class Extent {
+ public:
+  void add(const Pose2& map_T_scan, const ScanFrame& frame) {
+    for (int i = 0; i < frame.size(); ++i) {
+      if (frame.is_return(i)) {
+        add({map_T_scan.x_m, map_T_scan.y_m});
+        add(map_T_scan * frame.point(i));
+      }
     }
-    take(piece);
   }
-  cut();
-}
 
-void WorldMap::cover(const std::set<PieceIndex>& pieces) {
-  map_ = OccupancyMap{};
-  map_.resolution_m = resolution_m_;
-  if (pieces.empty()) {
-    return;
+  /// None, if there was no beam.
+  [[nodiscard]] OccupancyMap cells(double resolution_m) const {
+    OccupancyMap map{.resolution_m = resolution_m, .occupancy_percent = {}};
+    if (least_m_.x_m > most_m_.x_m) {
+      return map;
+    }
+    while ((most_m_.x_m - least_m_.x_m) * (most_m_.y_m - least_m_.y_m) >
+           kCells_max * map.resolution_m * map.resolution_m) {
+      map.resolution_m *= 2.0;
+    }
+    const auto cell = [&map](double x_m) { return std::floor(x_m / map.resolution_m); };
+    map.origin_x_m = cell(least_m_.x_m) * map.resolution_m;
+    map.origin_y_m = cell(least_m_.y_m) * map.resolution_m;
+    map.width_cells = static_cast<int>(cell(most_m_.x_m) - cell(least_m_.x_m)) + 1;
+    map.height_cells = static_cast<int>(cell(most_m_.y_m) - cell(least_m_.y_m)) + 1;
+    map.occupancy_percent.assign(static_cast<std::size_t>(map.width_cells) * static_cast<std::size_t>(map.height_cells),
+                                 OccupancyMap::kUnknown);
+    return map;
   }
-  const auto [least, most] = std::minmax_element(
-      pieces.begin(), pieces.end(), [](const PieceIndex& a, const PieceIndex& b) { return a.column < b.column; });
-  first_column_ = least->column * MapPiece::kSide_cells;
-  first_row_ = pieces.begin()->row * MapPiece::kSide_cells;
-  map_.width_cells = (most->column + 1) * MapPiece::kSide_cells - first_column_;
-  map_.height_cells = (pieces.rbegin()->row + 1) * MapPiece::kSide_cells - first_row_;
-  map_.occupancy_percent.assign(
-      static_cast<std::size_t>(map_.width_cells) * static_cast<std::size_t>(map_.height_cells), OccupancyMap::kUnknown);
-}
 
-void WorldMap::take(const MapPiece& piece) {
-  const auto rho_min_parts = static_cast<float>(beam_.rho_min_m / resolution_m_ * Cell::kParts);
-  const int left = piece.index().column * MapPiece::kSide_cells - first_column_;
-  const int lowest = piece.index().row * MapPiece::kSide_cells - first_row_;
-  for (int row = 0; row < MapPiece::kSide_cells; ++row) {
-    std::int8_t* const out =
-        &map_.occupancy_percent[static_cast<std::size_t>(lowest + row) * static_cast<std::size_t>(map_.width_cells) +
-                                static_cast<std::size_t>(left)];
-    for (int column = 0; column < MapPiece::kSide_cells; ++column) {
+ private:
+  void add(const Point2& p_map) {
+    least_m_ = {std::min(least_m_.x_m, p_map.x_m), std::min(least_m_.y_m, p_map.y_m)};
+    most_m_ = {std::max(most_m_.x_m, p_map.x_m), std::max(most_m_.y_m, p_map.y_m)};
+  }
+
+  static constexpr double kNone_m = std::numeric_limits<double>::infinity();
+  Point2 least_m_{kNone_m, kNone_m};
+  Point2 most_m_{-kNone_m, -kNone_m};
+};
+
+void copy(const MapPiece& piece, double rho_min_m, OccupancyMap& map) {
+  const auto rho_min_parts = static_cast<float>(rho_min_m / map.resolution_m * Cell::kParts);
+  const auto first = [&map](std::int32_t index, double origin_m) {
+    return index * MapPiece::kSide_cells - static_cast<int>(std::lround(origin_m / map.resolution_m));
+  };
+  const int left = first(piece.index().column, map.origin_x_m);
+  const int lowest = first(piece.index().row, map.origin_y_m);
+  for (int row = std::max(0, -lowest); row < std::min(MapPiece::kSide_cells, map.height_cells - lowest); ++row) {
+    std::int8_t* const out = map.occupancy_percent.data() +
+                             static_cast<std::size_t>(lowest + row) * static_cast<std::size_t>(map.width_cells);
+    for (int column = std::max(0, -left); column < std::min(MapPiece::kSide_cells, map.width_cells - left); ++column) {
       const Cell& cell = piece.cell(column, row);
-      out[column] =
+      out[left + column] =
           cell.is_unknown() ? OccupancyMap::kUnknown : static_cast<std::int8_t>(cell.occupancy_percent(rho_min_parts));
     }
   }
 }
 
-void WorldMap::cut() {
-  int left = INT_MAX;
-  int right = 0;
-  int lowest = INT_MAX;
-  int highest = 0;
-  for (int row = 0; row < map_.height_cells; ++row) {
-    for (int column = 0; column < map_.width_cells; ++column) {
-      if (map_.at(column, row) != OccupancyMap::kUnknown) {
-        left = std::min(left, column);
-        right = std::max(right, column + 1);
-        lowest = std::min(lowest, row);
-        highest = row + 1;
-      }
+}  // namespace
+
+OccupancyMap render_world(const SubmapWorld& world, const BeamModelParams& beam, const ScanParams& scan,
+                          double resolution_m) {
+  ScanFrame frame(scan);
+  std::vector<PlacedKeyframe> placed;
+  Extent extent;
+  for_each_keyframe(world, [&](int keyframe, const Pose2& map_T_scan) {
+    placed.push_back({keyframe, map_T_scan, world.store.farthest_m(keyframe)});
+    world.store.load(keyframe, 1, frame);
+    extent.add(map_T_scan, frame);
+  });
+  OccupancyMap map = extent.cells(resolution_m);
+  std::set<PieceIndex> pieces;
+  for (const PlacedKeyframe& each : placed) {
+    for_each_piece(each, map.resolution_m, [&pieces](const PieceIndex& index) { pieces.insert(index); });
+  }
+  const BeamModel model(beam, map.resolution_m);
+  MapPiece piece(map.resolution_m);
+  for (const PieceIndex& index : pieces) {
+    piece.begin(index);
+    for (const PlacedKeyframe& each : placed) {
+      piece.add(world.store, each, model, frame);
     }
+    copy(piece, beam.rho_min_m, map);
   }
-  if (right == 0) {
-    map_ = OccupancyMap{.resolution_m = resolution_m_, .occupancy_percent = {}};
-    return;
-  }
-  const auto width = static_cast<std::size_t>(map_.width_cells);
-  auto out = map_.occupancy_percent.begin();
-  for (int row = lowest; row < highest; ++row) {
-    const auto from =
-        map_.occupancy_percent.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * width) + left;
-    out = std::copy(from, from + (right - left), out);
-  }
-  map_.occupancy_percent.erase(out, map_.occupancy_percent.end());
-  map_.width_cells = right - left;
-  map_.height_cells = highest - lowest;
-  map_.origin_x_m = (first_column_ + left) * resolution_m_;
-  map_.origin_y_m = (first_row_ + lowest) * resolution_m_;
+  return map;
 }
 
 }  // namespace odoless

@@ -358,9 +358,8 @@ std::optional<TrajectoryCorrection> GraphFeed::write(bool is_last, OccupancyMap&
   if (graph_->submaps().empty()) {
     return std::nullopt;
   }
-  WorldMap world(params_.slam.low.beam, params_.slam.low.grid.resolution_m);
-  world.render(graph_->map(), params_.scan);
-  world.write(map);
+  const LslamParams& low = params_.slam.low;
+  map = render_world(graph_->map(), low.beam, params_.scan, low.grid.resolution_m);
   return graph_->correction();
 }
 

@@ -233,10 +233,9 @@ void run_export(const WorldJob& job) {
     }
   }
   write_whole_file(out / "pose_graph.g2o", format_g2o(joined.part.graph));
-  WorldMap map(params.slam.low.beam, job.resolution_m > 0.0 ? job.resolution_m : params.slam.low.grid.resolution_m);
-  map.render(joined.part.world(), params.scan);
-  OccupancyMap picture;
-  map.write(picture);
+  const LslamParams& low = params.slam.low;
+  const OccupancyMap picture = render_world(joined.part.world(), low.beam, params.scan,
+                                            job.resolution_m > 0.0 ? job.resolution_m : low.grid.resolution_m);
   if (!picture.occupancy_percent.empty()) {
     write_map(out, picture);
     const std::string title = fmt::format("{}, session {}", job.file.filename().string(), chosen + 1);

@@ -27,7 +27,7 @@ class Mapper {
   ChainStep process(const RawScan& raw, bool is_level = true);
 
   /// Of the last scan that was accepted, and all before it.
-  [[nodiscard]] StageChain& chain() { return chain_; }
+  [[nodiscard]] StageChain& chain() { return *chain_; }
   /// The pose graph; null where it is off.
   [[nodiscard]] const SubmapGraph* graph() const { return graph_ ? &graph_->graph() : nullptr; }
   /// odom_T_scan of all scans that were accepted, where the graph is on.
@@ -37,6 +37,9 @@ class Mapper {
 
   /// After the last scan: what is left to be done.
   void finish();
+  /// Then, with the graph on: gives back the stages' memory, which the map of a large world needs. There is no chain()
+  /// any more.
+  void release_stages();
   /// Where each scan was, as known now.
   [[nodiscard]] std::vector<StampedPose> trajectory();
   [[nodiscard]] OccupancyMap map();
@@ -45,7 +48,7 @@ class Mapper {
   [[nodiscard]] std::vector<StampedPose> trajectory_of_filter();
 
   RobotParams params_;
-  StageChain chain_;
+  std::optional<StageChain> chain_;
   std::optional<GraphRun> graph_;
   std::vector<StampedPose> odom_;
   std::vector<StampedPose> online_;

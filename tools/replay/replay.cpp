@@ -150,7 +150,6 @@ void finish(Mapper& mapper, const ReplayOptions& options, ReplayResult& result) 
   mapper.finish();
   result.trajectory = mapper.trajectory();
   result.online_trajectory = mapper.online_trajectory();
-  result.map = mapper.map();
   result.source = mapper.chain().sensor().counts();
   if (const SubmapGraph* const graph = mapper.graph()) {
     if (options.on_graph) {
@@ -159,7 +158,9 @@ void finish(Mapper& mapper, const ReplayOptions& options, ReplayResult& result) 
     result.graph = graph->graph();
     result.closures = graph->counts();
     result.outside_scans = 0;  // a map of keyframes has no edge
+    mapper.release_stages();
   }
+  result.map = mapper.map();
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // The map of a world: what all beams say of each cell, however it is drawn.
 #include "core/graph/world_map.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,10 +21,7 @@ TEST(WorldMap, HasTheWallsOfTheWorldAtTheirPlaces) {
   run.drive(kRound);
   run.drive({kRound[0], kRound[1]});
   run.graph.finish();
-  WorldMap world_map({}, 0.05);
-  world_map.render(run.graph.world(), {});
-  OccupancyMap map;
-  world_map.write(map);
+  const OccupancyMap map = render_world(run.graph.world(), {}, {}, 0.05);
   const SimulatedScene scene = ring(18.0, 10.0);
   int occupied = 0;
   int right = 0;
@@ -63,10 +61,7 @@ TEST(WorldMap, HasWhatAllBeamsSayOfEachCell) {
       integrate_scan(BeamModel({}, 0.05), BeamCaster(GridGeometry{}, map_T_scan), plain, frame, 0.0);
     }
   }
-  WorldMap world_map({}, 0.05);
-  world_map.render(world, {});
-  OccupancyMap map;
-  world_map.write(map);
+  const OccupancyMap map = render_world(world, {}, {}, 0.05);
   const int first_column = static_cast<int>(std::lround(map.origin_x_m / 0.05));
   const int first_row = static_cast<int>(std::lround(map.origin_y_m / 0.05));
   std::size_t known = 0;
@@ -104,21 +99,33 @@ TEST(WorldMap, OfAVastWorldHasLargerCells) {
     feed.add(sweep(scene, {.beams = 61}, {-10.5, -6.5, 0.0}, rng, i), motion, graph);
   }
   graph.finish();
-  WorldMap world_map({}, 0.05);
-  world_map.render(graph.world(), {});
-  OccupancyMap map;
-  world_map.write(map);
+  const OccupancyMap map = render_world(graph.world(), {}, {}, 0.05);
   EXPECT_GT(map.resolution_m, 1.0);
   EXPECT_FALSE(map.occupancy_percent.empty());
   EXPECT_LT(map.occupancy_percent.size(), 120'000'000U);
 }
 
+// Else the map of a building in a far corner would be mostly memory.
+TEST(WorldMap, EndsWhereTheFarthestBeamsEnd) {
+  Drive run(ring(18.0, 10.0), {0.01, 0.0, 0.0006});
+  run.drive({kRound[0], kRound[1]});
+  const OccupancyMap map = render_world(run.graph.world(), {}, {}, 0.05);
+  int known[4] = {};
+  for (int row = 0; row < map.height_cells; ++row) {
+    for (int column = 0; column < map.width_cells; ++column) {
+      const bool is_known = map.at(column, row) != OccupancyMap::kUnknown;
+      known[0] += is_known && row == 0 ? 1 : 0;
+      known[1] += is_known && row == map.height_cells - 1 ? 1 : 0;
+      known[2] += is_known && column == 0 ? 1 : 0;
+      known[3] += is_known && column == map.width_cells - 1 ? 1 : 0;
+    }
+  }
+  EXPECT_THAT(known, testing::Each(testing::Gt(0)));
+}
+
 TEST(WorldMap, OfNothingHasNoCell) {
   const SubmapGraph graph(GraphParams{}, {}, {}, 1);
-  WorldMap world_map({}, 0.05);
-  world_map.render(graph.world(), {});
-  OccupancyMap map;
-  world_map.write(map);
+  const OccupancyMap map = render_world(graph.world(), {}, {}, 0.05);
   EXPECT_TRUE(map.occupancy_percent.empty());
 }
 
@@ -153,10 +160,7 @@ class Listener {
 
 /// Cells that are otherwise in the map drawn at once.
 int cells_off(const Listener& listener, const SubmapGraph& graph) {
-  WorldMap world_map({}, 0.05);
-  world_map.render(graph.world(), {});
-  OccupancyMap map;
-  world_map.write(map);
+  const OccupancyMap map = render_world(graph.world(), {}, {}, 0.05);
   int off = 0;
   for (int row = 0; row < map.height_cells; ++row) {
     for (int column = 0; column < map.width_cells; ++column) {
