@@ -9,11 +9,9 @@ import re
 import signal
 import statistics
 import subprocess
-import sys
 import time
-import unittest
 
-from support import SOURCES, WORLD, DaemonCase, poses, run, yaw_errors_deg
+from support import SOURCES, WORLD, DaemonCase, alone, main, poses, run, yaw_errors_deg
 from fault_matrix import measured  # found by support
 from host_watch import HostWatch, keep_promise
 
@@ -23,6 +21,7 @@ EX_USAGE, EX_UNAVAILABLE, EX_CONFIG = 64, 69, 78
 
 
 class DaemonTest(DaemonCase):
+    @alone
     def test_maps_what_an_emulated_laser_sees_and_keeps_every_promise_of_real_time(self):
         self.start_laser("--truth", self.path("truth.tum"))
         daemon = self.start_daemon("--enforce-realtime")
@@ -40,6 +39,7 @@ class DaemonTest(DaemonCase):
         for name in ("map.pgm", "map.yaml", "map.png", "trajectory.tum"):
             self.assertTrue(os.path.getsize(self.path("out/latest/" + name)) > 0, name)
 
+    @alone
     def test_flags_a_laser_that_dies_within_two_periods_and_has_it_back_within_a_second(self):
         laser = self.start_laser()
         self.start_daemon()
@@ -72,6 +72,7 @@ class DaemonTest(DaemonCase):
         noticed_s = self.wait_until(lambda: self.answer("status")[:2] != "OK", 1, pause_s=0.001)
         return noticed_s - self.answer_s()
 
+    @alone
     def test_reads_a_laser_on_a_network_and_has_it_back_after_it_was_gone(self):
         laser = self.start("odoless", "emulate", "lrf", "--from", WORLD, "--tcp", 0, stdout=subprocess.PIPE)
         address = laser.stdout.readline().split()[-1]
@@ -95,6 +96,7 @@ class DaemonTest(DaemonCase):
         self.assertEqual(outcome.returncode, EX_CONFIG)
         self.assertIn("lrf.device", outcome.stderr)
 
+    @alone
     def test_flags_a_laser_that_falls_silent_within_two_periods(self):
         laser = self.start_laser()  # its line stays open: only the time tells
         self.start_daemon()
@@ -242,6 +244,7 @@ class DaemonTest(DaemonCase):
         found = re.search(r"scans (\d+) accepted.* (\d+) not level", self.answer("status"))
         return int(found[1]), int(found[2])
 
+    @alone
     def test_takes_the_motion_out_of_each_scan_where_it_is_told_to(self):
         for _ in range(3):
             with HostWatch() as host:
@@ -365,4 +368,4 @@ class DaemonTest(DaemonCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
+    main()

@@ -9,12 +9,10 @@ import resource
 import signal
 import socket
 import subprocess
-import sys
 import threading
 import time
-import unittest
 
-from support import DaemonCase, WORLD, program, run
+from support import WORLD, DaemonCase, alone, main, program, run
 from fault_matrix import measured  # found by support
 from host_watch import keep_promise
 
@@ -76,6 +74,7 @@ class FaultsTest(DaemonCase):
         self.assertIn(f"command 'pose -10000 10000 -360' of user {os.getuid()}, pid ", said)
         self.assertNotIn("status", said, "a question changes nothing")
 
+    @alone
     def test_a_client_that_sends_a_byte_now_and_then_holds_nobody_up(self):
         def drip():
             with socket.socket(socket.AF_UNIX) as client:
@@ -220,6 +219,7 @@ class FaultsTest(DaemonCase):
         self.assertIn("left out", self.expect_saved(daemon))
         self.assertTrue(os.path.getsize(self.path("out/latest/map.pgm")) > 0)
 
+    @alone
     def test_saves_what_is_known_when_a_stage_hangs(self):
         self.start_laser()
         for stage, signal_number in (("odo-matcher", None), ("odo-filter", signal.SIGTERM)):
@@ -290,4 +290,4 @@ class FaultsTest(DaemonCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
+    main()

@@ -3,7 +3,6 @@
     lasers_test.py FOLDER_OF_PROGRAMS ROOT_OF_SOURCES [LasersTest.TEST ...]
 """
 
-import concurrent.futures
 import json
 import os
 import re
@@ -12,9 +11,8 @@ import socket
 import subprocess
 import sys
 import time
-import unittest
 
-from support import SOURCES, WORLD, DaemonCase, run
+from support import SOURCES, WORLD, DaemonCase, main, run
 from host_watch import HostWatch  # found by support
 
 # Between shelves of different depths: for a laser that sees 3 m, in 70 deg.
@@ -43,7 +41,6 @@ PROBED = {
 NETWORKED = ("sopas", "csv")
 DRIVE_S = 25
 ERROR_MAX_M = 0.05
-AT_ONCE = 5  # a daemon and its laser take some 0.16 of a processor
 
 
 def free_port():
@@ -196,20 +193,5 @@ class LasersTest(DaemonCase):
         self.assertGreater(self.summary()["scans"], 20)
 
 
-def run_beside_each_other(names, at_once):
-    """Each test in a process of its own, which mostly waits. Returns whether all went well."""
-    def run_one(name):
-        done = subprocess.run([sys.executable, "-B", *sys.argv, name], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
-        print(done.stdout, flush=True)
-        return done.returncode == 0
-
-    with concurrent.futures.ThreadPoolExecutor(at_once) as pool:
-        return all(list(pool.map(run_one, names)))
-
-
 if __name__ == "__main__":
-    if len(sys.argv) > 3:
-        unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
-    else:
-        names = unittest.defaultTestLoader.getTestCaseNames(LasersTest)
-        sys.exit(not run_beside_each_other([f"LasersTest.{name}" for name in names], AT_ONCE))
+    main(at_once=5)  # mostly a daemon and its laser alone

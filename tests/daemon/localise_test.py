@@ -7,11 +7,9 @@ import bisect
 import json
 import math
 import os
-import sys
 import time
-import unittest
 
-from support import poses, run
+from support import main, poses, run
 from world_support import WorldCase, content
 
 EX_USAGE, EX_DATAERR, EX_NOINPUT, EX_CONFIG = 64, 65, 66, 78
@@ -168,4 +166,4 @@ class Localise(WorldCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
+    main()

@@ -12,12 +12,10 @@ import shutil
 import signal
 import socket
 import subprocess
-import sys
 import threading
 import time
-import unittest
 
-from support import DaemonCase, PROGRAMS, SOURCES
+from support import PROGRAMS, SOURCES, DaemonCase, alone, main
 
 EX_DATAERR, EX_CANTCREAT = 65, 73
 FILES = {"trajectory.tum", "trajectory_online.tum", "map.pgm", "map.yaml", "map.png", "map.svg", "summary.json"}
@@ -269,6 +267,7 @@ class OutputsTest(DaemonCase):
             time.sleep(0.02)
         return silence_s, answer_s
 
+    @alone
     def test_a_slow_disk_holds_up_nobody(self):
         self.start_laser()
         daemon = self.start_on_faulty_disk()
@@ -295,4 +294,4 @@ class OutputsTest(DaemonCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
+    main()

@@ -1,6 +1,7 @@
 """What tests of the daemon share: the daemon, emulated devices and `odoless ctl`, as on a robot."""
 
 import bisect
+import concurrent.futures
 import json
 import math
 import os
@@ -17,6 +18,38 @@ PROGRAMS, SOURCES = sys.argv[1:3]
 sys.path.append(os.path.join(SOURCES, "tests", "support"))
 from host_watch import HostWatch, wait_for  # there
 WORLD = os.path.join(SOURCES, "tools", "worlds", "rooms.world")
+
+
+def alone(test):
+    """For a test whose figures are the machine's, too: nothing runs beside it."""
+    test.is_alone = True
+    return test
+
+
+def main(at_once=3):
+    """Runs the tests that the command line names, or all of the program: each in a process of its own, since it mostly waits.
+
+    at_once: a daemon, its laser and the test take up to 0.4 of a processor.
+    """
+    if len(sys.argv) > 3:
+        unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
+    beside, by_itself = [], []
+    for case in vars(sys.modules["__main__"]).values():
+        for name in unittest.defaultTestLoader.getTestCaseNames(case) if is_case(case) else ():
+            (by_itself if hasattr(getattr(case, name), "is_alone") else beside).append(f"{case.__name__}.{name}")
+    with concurrent.futures.ThreadPoolExecutor(at_once) as pool:
+        went_well = list(pool.map(run_in_own_process, beside)) + list(map(run_in_own_process, by_itself))
+    sys.exit(not (went_well and all(went_well)))
+
+
+def is_case(thing):
+    return isinstance(thing, type) and issubclass(thing, unittest.TestCase)
+
+
+def run_in_own_process(name):
+    done = subprocess.run([sys.executable, "-B", *sys.argv, name], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    print(done.stdout, flush=True)
+    return done.returncode == 0
 
 
 def program(name, *arguments):

@@ -13,11 +13,9 @@ import shutil
 import signal
 import sqlite3
 import struct
-import sys
 import time
-import unittest
 
-from support import run
+from support import alone, main, run
 from world_support import WORLD, WorldCase, content
 from fault_matrix import measured  # found by support
 
@@ -108,6 +106,7 @@ class World(WorldCase):
         self.assertEqual([name for name in os.listdir(self.path(".")) if name.startswith((".", "w"))], [])
 
     # A daemon that was killed starts where the robot is, which drives on meanwhile.
+    @alone
     def test_starts_where_it_was_after_a_kill(self):
         daemon = self.start_world()
         backs_s = []
@@ -187,6 +186,7 @@ class World(WorldCase):
 
     # Each daemon goes on in the file that the one before left, every other one on a slow disk, so that many are killed in the
     # middle of a write.
+    @alone
     def test_a_kill_or_power_cut_at_any_moment_loses_two_seconds_at_most(self):
         chance = random.Random(17)
         self.start_laser()
@@ -301,4 +301,4 @@ class World(WorldCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
+    main()
