@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/rng.hpp"
+#include "tests/drivers/lrf/answered_line.hpp"
 #include "tests/drivers/lrf/tested_lasers.hpp"
 #include "tests/tools/emulate_support.hpp"
 
@@ -110,6 +111,52 @@ TEST_P(LrfContract, StreamsWhatIsThere) {
   EXPECT_EQ(bench_.heard().count(LrfEventType::kReady), 1);
   EXPECT_EQ(bench_.heard().events.back().type, LrfEventType::kReady) << "and then nothing to tell";
   EXPECT_EQ(bench_.session().counters().scans, scans());
+}
+
+TEST_P(LrfContract, IsTakenOverWhileItStreams) {
+  bring_up();
+  const int told_before = bench_.heard().count(LrfEventType::kLost);
+  for (int opened = 1; opened <= 3; ++opened) {
+    bench_.run(37 * kMs);
+    bench_.reset();
+    EXPECT_FALSE(bench_.session().ready());
+    run_until_scans(3, kBroughtUpNs);
+    EXPECT_EQ(bench_.session().counters().restarts, static_cast<std::uint64_t>(opened));
+    EXPECT_EQ(bench_.heard().count(LrfEventType::kReady), opened + 1);
+  }
+  EXPECT_EQ(bench_.heard().count(LrfEventType::kLost), told_before);
+  EXPECT_EQ(bench_.heard().count(LrfEventType::kDeviceError), 0);
+  EXPECT_EQ(bench_.heard().count(LrfEventType::kUnanswered), 0);
+  expect_no_wrong_scan();
+}
+
+TEST_P(LrfContract, TellsOnceEachTimeItIsOpenedThatNobodyAnswers) {
+  bench_.device().set_power(false, bench_.now_ns());
+  for (int opened = 1; opened <= 2; ++opened) {
+    bench_.reset();
+    bench_.run(8 * kSecond);
+    EXPECT_EQ(bench_.heard().count(LrfEventType::kLost), opened);
+    EXPECT_EQ(bench_.heard().events.back().reason, Errc::kDeviceSilent);
+  }
+  EXPECT_EQ(bench_.heard().events.size(), 2U);
+  EXPECT_EQ(bench_.session().counters().restarts, 1U);
+}
+
+TEST_P(LrfContract, RefusesALaserWithMoreBeamsThanThereIsRoomFor) {
+  bring_up();
+  const int beams = bench_.session().geometry().beams;
+  test::AnsweredLine enough(GetParam().model, GetParam().params(), {}, beams);
+  test::AnsweredLine too_few(GetParam().model, GetParam().params(), {}, beams - 1);
+  for (test::AnsweredLine* const line : {&enough, &too_few}) {
+    line->reset();
+    line->run(8 * kSecond);
+  }
+  EXPECT_TRUE(enough.session().ready());
+  EXPECT_FALSE(too_few.session().ready());
+  EXPECT_TRUE(too_few.heard().scans.empty());
+  const bool is_told = std::ranges::any_of(too_few.heard().events,
+                                           [](const LrfEvent& event) { return event.reason == Errc::kTooManyBeams; });
+  EXPECT_TRUE(is_told);
 }
 
 TEST_P(LrfContract, IsUnpluggedAndPluggedInAgain) {

@@ -226,6 +226,29 @@ TEST(RplidarBringUp, FindsAnAnswerBehindBytesThatAreNone) {
   }
 }
 
+TEST(RplidarBringUp, HalfAnAnswerSpoilsNotTheNext) {
+  AnsweredLine line("rplidar-a2", rplidar_line_params());
+  answer_rplidar(line, rplidar_asked(Command::kInfo), std::string("\xA5\x5A\x14\x00", 4), 4);
+  line.reset();
+  line.run(4 * kSecond);
+  EXPECT_TRUE(line.session().ready());
+  EXPECT_EQ(line.asked(rplidar_asked(Command::kInfo)), 5);
+}
+
+TEST(RplidarBringUp, AsksNothingBeforeTheLineIsQuietOrASecondIsOver) {
+  for (const int noise_ms : {300, 980}) {
+    AnsweredLine line("rplidar-a2", rplidar_line_params());
+    line.reset();
+    for (int ms = 0; ms < noise_ms; ms += 20) {
+      line.run(20 * kMs);
+      line.say("\xA5\x5A\x05");
+    }
+    EXPECT_THAT(line.requests(), ::testing::ElementsAre(rplidar_asked(Command::kStop))) << noise_ms;
+    line.run(80 * kMs);
+    EXPECT_GE(line.asked(rplidar_asked(Command::kInfo)), 1) << noise_ms;
+  }
+}
+
 TEST(RplidarBringUp, TheMotorGetsWhatItsSeriesTakes) {
   struct Case {
     const char* model;

@@ -47,6 +47,8 @@ TEST(ScipBringUp, SwitchesALaserFromAnyRateToTheWishedOne) {
       EXPECT_EQ(line.session().line_baud(), wished_baud);
       EXPECT_EQ(line.asked(scip_rate_request(wished_baud)), before_baud == wished_baud ? 0 : 1);
       EXPECT_EQ(line.session().counters().device_errors, 0U);
+      const auto switched = std::ranges::find(line.requests(), scip_rate_request(wished_baud));
+      EXPECT_LE(std::count(switched, line.requests().end(), "\nQT\n"), 1) << "it is not searched for anew";
       EXPECT_GE(line.heard().scans.size(), 1U);
     }
   }
@@ -122,6 +124,20 @@ TEST(ScipBringUp, AsksInOrderAndWithoutDelay) {
               ::testing::ElementsAre("\nQT\n", "QT\n", "PP\n", "TM0\n", "TM1\n", "TM2\n", "MD0000108001000\n"));
 }
 
+TEST(ScipBringUp, AsksNothingBeforeTheLineIsQuietOrASecondIsOver) {
+  for (const int noise_ms : {300, 980}) {
+    AnsweredLine line("utm-30lx", scip_line_params());
+    line.reset();
+    for (int ms = 0; ms < noise_ms; ms += 20) {
+      line.run(20 * kMs);
+      line.say("0mP\n");
+    }
+    EXPECT_THAT(line.requests(), ::testing::ElementsAre("\nQT\n")) << noise_ms;
+    line.run(80 * kMs);
+    EXPECT_GE(line.requests().size(), 2U) << noise_ms;
+  }
+}
+
 TEST(ScipBringUp, AUrgInScip1IsSwitchedAndAskedAgain) {
   AnsweredLine line("urg-04lx", scip_line_params());
   line.reset();
@@ -157,7 +173,7 @@ TEST(ScipBringUp, DamagedAnswersAreAskedForAnewWithoutAComplaint) {
     AnsweredLine line("utm-30lx", scip_line_params());
     answer_scip(line, beginning, answer, 1);
     line.reset();
-    line.run(kSecond);
+    line.run(380 * kMs);
     EXPECT_TRUE(line.session().ready()) << beginning;
     EXPECT_EQ(line.heard().events.size(), 1U) << "ready";
   }

@@ -215,23 +215,88 @@ TEST(SickBringUp, ALaserThatAnswersTheFirstStepAloneIsToldOfOnce) {
   EXPECT_EQ(line.heard().events.size(), 2U) << "it is told again";
 }
 
-// At 9600 baud, a scan of 732 bytes that is on its way holds the answer up for 0.8 s, four times the usual patience.
-TEST(SickBringUp, AStreamThatIsOnItsWayIsStoppedWithoutTryingOtherRates) {
-  AnsweredLine line("lms291", sick_line_params(9600));
+/// A laser that hears and streams on: a scan comes instead of each of the first answers to the first step.
+AnsweredLine& with_scans_instead(AnsweredLine& line, int scans) {
+  answer_instead(line, kSickStop, sick_answer("\xB0" + std::string(20, '\x01')), scans);
+  return line;
+}
+
+// At 9600 baud, a scan that is on its way holds an answer up for 0.8 s, four times the usual patience.
+TEST(SickBringUp, AnAnswerIsWaitedForWhereAScanComesFirst) {
+  AnsweredLine line("lms291", sick_line_params(38400));
+  with_scans_instead(line, 100);
   line.reset();
-  line.run(4 * kSecond);
-  ASSERT_TRUE(line.session().ready());
-  for (int i = 0; i < 8; ++i) {
-    line.run(i * 131 * kMs);
+  line.run(950 * kMs);
+  EXPECT_EQ(line.requests().size(), 1U);
+  line.say(sick_answer(std::string("\xA0\x00", 2)));
+  line.run(10 * kMs);
+  EXPECT_EQ(line.asked(sick_asked("\x31")), 1);
+  EXPECT_EQ(line.session().line_baud(), 38400);
+}
+
+TEST(SickBringUp, ALaserThatStreamsOnIsStoppedSixTimesBeforeAnotherRateIsTried) {
+  AnsweredLine line("lms291", sick_line_params(38400));
+  with_scans_instead(line, 100);
+  line.reset();
+  line.run(5900 * kMs);
+  EXPECT_EQ(line.asked(sick_asked(kSickStop)), 6);
+  EXPECT_EQ(line.session().line_baud(), 38400);
+  EXPECT_TRUE(line.heard().events.empty());
+  line.run(300 * kMs);
+  EXPECT_EQ(line.session().line_baud(), 9600);
+  EXPECT_EQ(line.heard().count(LrfEventType::kLost), 1);
+  line.run(5500 * kMs);
+  EXPECT_EQ(line.session().line_baud(), 9600) << "it is as patient there";
+  line.run(500 * kMs);
+  EXPECT_EQ(line.session().line_baud(), 19200);
+}
+
+TEST(SickBringUp, ARateWhereNothingIsHeardAnyMoreIsLeftAtOnce) {
+  AnsweredLine line("lms291", sick_line_params(38400));  // it is at 9600
+  with_scans_instead(line, 1);
+  line.reset();
+  line.run(1150 * kMs);
+  EXPECT_EQ(line.session().line_baud(), 38400);
+  line.run(150 * kMs);
+  EXPECT_EQ(line.session().line_baud(), 9600);
+}
+
+TEST(SickBringUp, EachTimeTheLineIsOpenedAndAfterEachAnswerItIsAsPatient) {
+  AnsweredLine line("lms291", sick_line_params(9600));
+  for (int i = 0; i < 3; ++i) {
+    with_scans_instead(line, 4);
     line.reset();
-    for (int ms = 0; ms < 3000 && !line.session().ready(); ++ms) {
-      line.run(kMs);
-      ASSERT_EQ(line.session().line_baud(), 9600);
-    }
-    ASSERT_TRUE(line.session().ready()) << "in 3 s";
+    line.run(5 * kSecond);
+    EXPECT_TRUE(line.session().ready());
   }
+  int round = 0;
+  line.in_its_stead = [&](const std::string& request) -> std::optional<std::string> {
+    const bool is_first = sick_payload(request) == kSickStop;
+    round += is_first ? 1 : 0;
+    const bool is_heard = round % 4 == 0 || round > 12;
+    return is_first && !is_heard     ? std::optional(sick_answer("\xB0" + std::string(20, '\x01')))
+           : !is_first && round <= 8 ? std::optional(std::string())
+                                     : std::nullopt;
+  };
+  line.reset();
+  line.run(15 * kSecond);
+  EXPECT_TRUE(line.session().ready());
   EXPECT_EQ(line.heard().count(LrfEventType::kLost), 0);
-  EXPECT_EQ(line.session().counters().restarts, 8U);
+}
+
+TEST(SickBringUp, WhatComesLateInThePauseChangesNothing) {
+  AnsweredLine line("lms291", sick_line_params(9600));
+  answer_instead(line, kSickStart, sick_answer("\xA0\x02"), 1);
+  line.reset();
+  line.run(kSecond);
+  ASSERT_EQ(line.heard().events.size(), 1U);
+  const std::size_t requests = line.requests().size();
+  line.say(sick_answer("\xA0\x01"));
+  line.say(sick_answer(std::string("\xA0\x00", 2)));
+  line.say("\x15");
+  line.run(10 * kMs);
+  EXPECT_EQ(line.heard().events.size(), 1U);
+  EXPECT_EQ(line.requests().size(), requests);
 }
 
 TEST(SickBringUp, AnswersThatAreTooShortOrUnknownAreRefusedWithTheReason) {
@@ -260,20 +325,45 @@ TEST(SickBringUp, AnswersThatAreTooShortOrUnknownAreRefusedWithTheReason) {
   }
 }
 
-TEST(SickBringUp, OnlyAskedItTellsUnitAndModeAndChangesNothing) {
+/// A status that tells 180 degrees in steps of 0.5, and nothing else that makes sense.
+std::string sick_status(std::size_t bytes) {
+  std::string status(bytes, '\x55');
+  status.replace(106, 4, std::string("\xB4\x00\x32\x00", 4));
+  return "\xB1" + status;
+}
+
+TEST(SickBringUp, OnlyAskedItTellsWhatTheLaserIsAndChangesNothing) {
   for (const auto& [mode, unit] : {std::pair<char, char>(6, 1), {0, 0}, {0, 1}, {6, 0}}) {
-    AnsweredLine line("lms291", sick_line_params(0, SickUnit::kMm));
+    LrfParams params = sick_line_params(0, SickUnit::kMm);
+    params.sick_variant = SickVariant::k100By1;
+    AnsweredLine line("lms291", params);
     line.session_as<SickSession>().only_ask();
-    answer_instead(line, "\x74", sick_answer("\xF4" + sick_configuration(mode, unit)));
+    line.in_its_stead = [mode = mode, unit = unit](const std::string& request) -> std::optional<std::string> {
+      return sick_payload(request) == "\x31" ? std::optional(sick_answer(sick_status(110)))
+             : sick_payload(request) == "\x74"
+                 ? std::optional(sick_answer("\xF4" + sick_configuration(mode, unit).substr(0, 7)))
+                 : std::nullopt;
+    };
     line.reset();
-    line.run(2 * kSecond);
+    line.run(500 * kMs);
     ASSERT_TRUE(line.session().ready());
     const sick::Found& found = line.session_as<SickSession>().found();
     EXPECT_EQ(found.variant, SickVariant::k180ByHalf);
     EXPECT_EQ(found.unit, unit == 1 ? SickUnit::kMm : SickUnit::kCm);
     EXPECT_EQ(found.is_usual_mode, mode == 6 * unit);
+    EXPECT_EQ(line.session().geometry().beams, 361);
     EXPECT_THAT(line.requests(), ::testing::ElementsAre(sick_asked(kSickStop), sick_asked("\x31"), sick_asked("\x74")));
   }
+}
+
+TEST(SickBringUp, OnlyAskedALaserThatIsBrokenIsNotReset) {
+  AnsweredLine line("lms291", sick_line_params(0));
+  line.session_as<SickSession>().only_ask();
+  answer_instead(line, "\x31", sick_answer("\xB1" + std::string(151, '\0'), '\x14'));
+  line.reset();
+  line.run(4 * kSecond);
+  EXPECT_GE(line.heard().count(LrfEventType::kDeviceError), 2);
+  EXPECT_EQ(line.asked(sick_asked("\x10")), 0);
 }
 
 }  // namespace
