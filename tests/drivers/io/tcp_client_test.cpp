@@ -82,6 +82,12 @@ TEST(TcpClient, SaysThatNobodyListens) {
   EXPECT_EQ(open_tcp({.host = "laser.example", .port = 1}).error(), Errc::kBadAddress);
 }
 
+// To look a name up may take long, and is others' work (io/name_lookup).
+TEST(TcpClient, LooksNoNameUpEvenWhereItIsKnown) {
+  const Listener device;
+  EXPECT_EQ(open_tcp({.host = "localhost", .port = device.port}).error(), Errc::kBadAddress);
+}
+
 TEST(TcpClient, DoesNotWaitLongForASideThatDoesNotAnswer) {
   const Listener full(0);  // on Linux, a queue of 0 takes one connection, and leaves the next without an answer
   const Result<FileDescriptor> first = open_tcp({.host = "127.0.0.1", .port = full.port});

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <vector>
+
+#include "drivers/lrf/rplidar/bytes.hpp"
+#include "drivers/lrf/rplidar/capsule.hpp"
 
 namespace odoless::rplidar {
 namespace {
@@ -104,6 +108,62 @@ TEST(RplidarPointReader, FarPointsMustGoOnFromOneToTheNext) {
     }
     EXPECT_EQ(reader.take(rest), PointReader::Outcome::kSkipped) << wrong_deg;
   }
+}
+
+/// A capsule of the express scan with 32 ranges of 2 m.
+std::vector<std::byte> capsule_of_2_m(double angle_deg) {
+  const CapsuleFormat& format = *find_capsule_format(kExpressType);
+  constexpr std::array kCabin{std::byte{0x40}, std::byte{0x1F}, std::byte{0x40}, std::byte{0x1F}, std::byte{0}};
+  const auto angle = static_cast<unsigned>(angle_deg * 64.0);
+  std::vector<std::byte> bytes{std::byte{}, std::byte{}, static_cast<std::byte>(angle & 0xFFU),
+                               static_cast<std::byte>(angle >> 8U)};
+  while (bytes.size() < format.bytes) {
+    bytes.insert(bytes.end(), kCabin.begin(), kCabin.end());
+  }
+  const unsigned sum = xor_of(std::span(bytes).subspan(2));
+  bytes[0] = static_cast<std::byte>(0xA0U | (sum & 0x0FU));
+  bytes[1] = static_cast<std::byte>(0x50U | (sum >> 4U));
+  return bytes;
+}
+
+/// How many points of 2 m are read of a stream of six capsules, the third of which `change` changes; another range is
+/// a failure.
+std::size_t points_of_2_m(void (*change)(std::vector<std::byte>&)) {
+  std::vector<std::byte> stream;
+  for (int i = 0; i < 6; ++i) {
+    std::vector<std::byte> capsule = capsule_of_2_m(10.0 + 16.0 * i);
+    if (i == 2) {
+      change(capsule);
+    }
+    stream.insert(stream.end(), capsule.begin(), capsule.end());
+  }
+  PointReader reader;
+  reader.start(find_capsule_format(kExpressType));
+  std::span<const std::byte> rest(stream);
+  std::size_t points = 0;
+  for (auto outcome = reader.take(rest); outcome != PointReader::Outcome::kMore; outcome = reader.take(rest)) {
+    if (outcome == PointReader::Outcome::kPoints) {
+      for (const Point& point : reader.points()) {
+        EXPECT_DOUBLE_EQ(point.range_m, 2.0);
+      }
+      points += reader.points().size();
+    }
+  }
+  return points;
+}
+
+TEST(RplidarPointReader, GivesThePointsOfEveryCapsuleThatHasANext) {
+  EXPECT_EQ(points_of_2_m([](std::vector<std::byte>&) {}), 5U * 32U);
+}
+
+// It takes the place of the last byte, which is the same, and so the sum is right; behind it, all ranges are others.
+TEST(RplidarPointReader, ACapsuleWithAByteTooMuchThatItsSumDoesNotSeeIsNotTaken) {
+  EXPECT_EQ(points_of_2_m([](std::vector<std::byte>& capsule) { capsule.insert(capsule.begin() + 40, std::byte{0}); }),
+            4U * 32U);
+}
+
+TEST(RplidarPointReader, ACapsuleWithAWrongSumIsNotTaken) {
+  EXPECT_EQ(points_of_2_m([](std::vector<std::byte>& capsule) { capsule[40] ^= std::byte{0x10}; }), 4U * 32U);
 }
 
 }  // namespace
