@@ -5,6 +5,10 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <set>
+#include <string>
+#include <vector>
+
 #include "drivers/io/device_line.hpp"
 #include "rt/cpu_clock.hpp"
 
@@ -24,6 +28,13 @@ TEST(NameLookup, KnowsThisHost) {
   for (int i = 0; i < 3; ++i) {
     EXPECT_THAT(lookup.find("localhost", kLong_ns).value(), ::testing::Contains(::testing::AnyOf("127.0.0.1", "::1")));
   }
+}
+
+// Each is tried, and waited for where nothing answers.
+TEST(NameLookup, GivesEachAddressOnce) {
+  NameLookup lookup;
+  const std::vector<std::string> addresses = lookup.find("localhost", kLong_ns).value();
+  EXPECT_EQ(std::set<std::string>(addresses.begin(), addresses.end()).size(), addresses.size());
 }
 
 TEST(NameLookup, ANameThatNobodyKnowsIsMissingAndHoldsNobodyUp) {

@@ -100,6 +100,21 @@ TEST_P(TiltAxis, SlowOrGentleMotionIsNoStallAndARealOneIsToldAllTheSame) {
   }
 }
 
+// From one sample to the next it moves by a third of a radian.
+TEST_P(TiltAxis, AQuickServoThatIsAskedRarelyIsBelieved) {
+  TiltParams quick = params(TiltCommand::kSweep);
+  quick.speed_radps = 6.0;
+  quick.acceleration_radps2 = 200.0;
+  quick.sample_period_ns = 60 * kServoMs;
+  ServoBench bench(quick);
+  bench.reset();
+  ASSERT_GE(bench.run_until(TiltState::kSweeping, 3 * kServoSecond), 0);
+  bench.run(5 * kServoSecond);
+  EXPECT_EQ(bench.session().counters().implausible, 0U);
+  EXPECT_EQ(bench.session().counters().restarts, 0U);
+  EXPECT_GT(bench.heard().samples.size(), 70U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Servos, TiltAxis, ::testing::ValuesIn(test::kTestedServos),
                          [](const auto& tested) { return std::string(tested.param.name); });
 

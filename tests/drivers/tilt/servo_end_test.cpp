@@ -144,6 +144,25 @@ TEST_P(ServoEnd, AServoThatDoesNotAnswerKeepsNobodyWaiting) {
   EXPECT_EQ(bench.heard().count(TiltEventType::kLost), 0) << "what would be done about it?";
 }
 
+TEST_P(ServoEnd, AResetAfterItsEndBringsItUpAgain) {
+  for (const TiltEnd how : {TiltEnd::kHold, TiltEnd::kLevel, TiltEnd::kRelease}) {
+    ServoBench bench(params(TiltCommand::kLevel), servo(0.0));
+    bench.reset();
+    bench.run(kServoSecond);
+    bench.session().finish(how, bench.now_ns());
+    bench.run(kPatienceNs);
+    ASSERT_TRUE(bench.session().is_finished());
+    bench.reset();
+    bench.command(TiltCommand::kLevel);
+    bench.run(2 * kServoSecond);
+    EXPECT_FALSE(bench.session().is_finished());
+    EXPECT_EQ(bench.session().state(), TiltState::kLevel);
+    const std::size_t before = bench.heard().samples.size();
+    bench.run(kServoSecond);
+    EXPECT_NEAR(static_cast<double>(bench.heard().samples.size() - before), 100.0, 3.0);
+  }
+}
+
 TEST_P(ServoEnd, TheNextDaemonFindsItInOrder) {
   for (const TiltEnd how : {TiltEnd::kHold, TiltEnd::kLevel, TiltEnd::kRelease}) {
     ServoBench bench(params(), servo(0.0));
