@@ -9,6 +9,7 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <map>
 #include <thread>
 #include <tuple>
 
@@ -157,18 +158,25 @@ TEST(EmulateLrf, IsEveryLaserOnARealTerminal) {
 }
 
 TEST(Probe, FindsOutWhichProtocolALaserSpeaks) {
-  for (const auto& [model, driver] :
-       {std::pair("urg-04lx", "scip"), std::pair("lms200", "sick"), std::pair("rplidar-a1", "rplidar"),
-        std::pair("ld19", "ldrobot"), std::pair("ydlidar-x2", "ydlidar"), std::pair("ydlidar-x4", "ydlidar")}) {
-    SCOPED_TRACE(model);
-    const test::TemporaryFolder folder;
-    const std::string pty = folder.path() / "laser";
-    const std::string world = folder.file("a.world", kWorld);
-    const test::CommandProcess emulator({"emulate", "lrf", "--from", world, "--pty", pty, "--model", model});
+  const std::map<std::string, std::string> driver_of{{"urg-04lx", "scip"},      {"lms200", "sick"},
+                                                     {"rplidar-a1", "rplidar"}, {"ld19", "ldrobot"},
+                                                     {"ydlidar-x2", "ydlidar"}, {"ydlidar-x4", "ydlidar"}};
+  const test::TemporaryFolder folder;
+  const std::string world = folder.file("a.world", kWorld);
+  std::map<std::string, test::CommandProcess> emulators;
+  std::map<std::string, test::CommandProcess> probes;  // at a time: they mostly wait
+  for (const auto& [model, driver] : driver_of) {
+    const std::string pty = folder.path() / model;
+    emulators.try_emplace(model,
+                          std::vector<std::string>{"emulate", "lrf", "--from", world, "--pty", pty, "--model", model});
     ASSERT_TRUE(open_when_there(pty).valid());
-    const test::Outcome outcome = test::run({"probe", pty, "--patience-s", "4"});
-    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr(fmt::format("driver = \"{}\"\ndevice = \"{}\"\n", driver, pty)));
+    probes.try_emplace(model, std::vector<std::string>{"probe", pty, "--patience-s", "4"}, pty + ".txt");
+  }
+  for (auto& [model, probe] : probes) {
+    const std::string pty = folder.path() / model;
+    EXPECT_EQ(probe.wait(), 0) << model;
+    EXPECT_THAT(test::content_of(pty + ".txt"),
+                HasSubstr(fmt::format("driver = \"{}\"\ndevice = \"{}\"\n", driver_of.at(model), pty)));
   }
 }
 
