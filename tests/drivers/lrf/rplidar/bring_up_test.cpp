@@ -311,6 +311,30 @@ TEST(RplidarBringUp, AsksADeviceOnceWhichModesItHasAndAnotherDeviceAnew) {
   EXPECT_EQ(modes_asked(ask_info, info, other), 2) << "another serial number";
 }
 
+TEST(RplidarBringUp, AnOlderDeviceInTheFirstOnesPlaceIsTakenForWhatItIs) {
+  LrfParams params = rplidar_line_params();
+  params.baud = 256000;
+  AnsweredLine line("rplidar-a3", params);
+  line.reset();
+  line.run(2 * kSecond);
+  ASSERT_TRUE(line.session().ready());
+  AnsweredLine fresh("rplidar-a3", params);
+  for (AnsweredLine* const each : {&line, &fresh}) {
+    each->forget_requests();
+    each->in_its_stead = [](const std::string& asked) -> std::optional<std::string> {
+      return asked == rplidar_asked(Command::kInfo)
+                 ? std::optional(rplidar_answer(4, "\x31\x14\x01\x06" + std::string(16, '\x09')))
+             : asked.starts_with("\xA5\x84") ? std::optional(std::string())
+                                             : std::nullopt;
+    };
+    each->reset();
+    each->run(2 * kSecond);
+    EXPECT_TRUE(each->session().ready());
+  }
+  EXPECT_EQ(line.requests(), fresh.requests());
+  EXPECT_EQ(line.session().geometry().range_max_m, fresh.session().geometry().range_max_m);
+}
+
 TEST(RplidarBringUp, ADeviceThatDidNotTellAllIsAskedAnew) {
   const std::string range = rplidar_question(Setting::kModeRange, 3);
   EXPECT_EQ(modes_asked(range, rplidar_value(Setting::kModeRange, ""), ""), 2);

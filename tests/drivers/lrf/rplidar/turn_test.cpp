@@ -51,6 +51,22 @@ TEST(RplidarTurn, GivesEvenBeamsWhateverTheNumberOfPoints) {
   }
 }
 
+// The first turn has a point more, near the front, and sees what is 5 m away; all others see 2 m.
+TEST(RplidarTurn, NothingOfALongerTurnBeforeTheLastIsLeft) {
+  Turn turn;
+  std::vector<float> ranges_m(360);
+  std::int64_t now_ns = 0;
+  for (int round = 0; round < 6; ++round) {
+    const int points = round == 0 ? 303 : 300;
+    for (int i = 0; i < points; ++i, now_ns += kMs / 2) {
+      if (turn.add({.angle_deg = 0.9 + 1.188 * i, .range_m = round == 0 ? 5.0 : 2.0}, now_ns) && round > 2) {
+        static_cast<void>(turn.resample(ranges_m));
+        EXPECT_TRUE(std::ranges::all_of(ranges_m, [](float range_m) { return range_m < 2.001F; })) << round;
+      }
+    }
+  }
+}
+
 TEST(RplidarTurn, DoesNotMixSurfaces) {
   Turn turn;
   ASSERT_TRUE(turn_twice(turn, 361, [](double angle_deg) { return angle_deg < 100.5 ? 1.0 : 3.0; }));

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <string>
 
@@ -122,6 +123,27 @@ TEST(ScipBringUp, AsksInOrderAndWithoutDelay) {
   requests.erase(repeated.begin(), repeated.end());
   EXPECT_THAT(requests,
               ::testing::ElementsAre("\nQT\n", "QT\n", "PP\n", "TM0\n", "TM1\n", "TM2\n", "MD0000108001000\n"));
+}
+
+TEST(ScipBringUp, AsksForTheScansThatTheParametersSay) {
+  LrfParams params = scip_line_params();
+  for (const auto& [reading, request] : {std::pair(LrfReading::kRange, "MD0000108003200\n"),
+                                         {LrfReading::kShortRange, "MS0000108003200\n"},
+                                         {LrfReading::kRangeIntensity, "ME0000108003200\n"}}) {
+    params.cluster = 3;
+    params.skip = 2;
+    params.reading = reading;
+    AnsweredLine line("utm-30lx", params);
+    line.reset();
+    line.run(2 * kSecond);
+    EXPECT_EQ(line.asked(request), 1);
+    const LrfGeometry& geometry = line.session().geometry();
+    EXPECT_EQ(geometry.beams, 361);
+    EXPECT_EQ(geometry.period_ns, 75 * kMs) << "every third of 40 a second";
+    EXPECT_NEAR(geometry.angle_step_rad, 0.75 * M_PI / 180.0, 1e-7);
+    EXPECT_NEAR(geometry.start_angle_rad, (0.25 - 135.0) * M_PI / 180.0, 1e-6) << "the middle of the first three";
+    EXPECT_NEAR(static_cast<double>(line.heard().scans.size()), 25.0, 2.0);
+  }
 }
 
 TEST(ScipBringUp, AsksNothingBeforeTheLineIsQuietOrASecondIsOver) {
