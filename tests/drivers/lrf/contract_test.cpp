@@ -113,6 +113,27 @@ TEST_P(LrfContract, StreamsWhatIsThere) {
   EXPECT_EQ(bench_.session().counters().scans, scans());
 }
 
+TEST_P(LrfContract, ItsGeometryIsThatOfItsScans) {
+  bring_up();
+  run_until_scans(20, kBroughtUpNs);
+  const LrfGeometry& geometry = bench_.session().geometry();
+  const std::vector<test::HeardScan>& heard = bench_.heard().scans;
+  for (const test::HeardScan& scan : heard) {
+    ASSERT_EQ(scan.ranges_m.size(), static_cast<std::size_t>(geometry.beams));
+    ASSERT_EQ(scan.start_angle_rad, geometry.start_angle_rad);
+    ASSERT_EQ(scan.angle_step_rad, geometry.angle_step_rad);
+    for (const float range_m : scan.ranges_m) {
+      ASSERT_TRUE(range_m == 0.0F || range_m >= geometry.range_min_m);
+      ASSERT_TRUE(std::isinf(range_m) || range_m <= geometry.range_max_m);
+    }
+  }
+  EXPECT_GT(geometry.range_max_m, 3.0);
+  EXPECT_LE(geometry.range_max_m, 100.0);
+  const std::int64_t took_ns = heard.back().stamp_ns - heard[heard.size() - 11].stamp_ns;
+  EXPECT_NEAR(static_cast<double>(geometry.period_ns), static_cast<double>(took_ns) / 10.0,
+              0.05 * static_cast<double>(geometry.period_ns));
+}
+
 TEST_P(LrfContract, IsTakenOverWhileItStreams) {
   bring_up();
   const int told_before = bench_.heard().count(LrfEventType::kLost);
@@ -206,6 +227,9 @@ TEST_P(LrfContract, HearsNothingWrongInBytesThatAreOthers) {
       byte = rng_.below(20) == 0 ? static_cast<char>(rng_.below(256)) : byte;
     }
   });
+  const LrfCounters& counters = bench_.session().counters();
+  EXPECT_GT(counters.rejected + counters.resyncs, 0U) << "and says so";
+  EXPECT_GT(bench_.heard().count(LrfEventType::kRejected) + bench_.heard().count(LrfEventType::kResync), 0);
 }
 
 TEST_P(LrfContract, NeverSpins) {

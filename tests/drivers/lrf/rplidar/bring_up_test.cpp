@@ -313,17 +313,17 @@ TEST(RplidarBringUp, AsksADeviceOnceWhichModesItHasAndAnotherDeviceAnew) {
 
 TEST(RplidarBringUp, AnOlderDeviceInTheFirstOnesPlaceIsTakenForWhatItIs) {
   LrfParams params = rplidar_line_params();
-  params.baud = 256000;
-  AnsweredLine line("rplidar-a3", params);
+  params.baud = 115200;
+  AnsweredLine line("rplidar-a2", params);
   line.reset();
   line.run(2 * kSecond);
   ASSERT_TRUE(line.session().ready());
-  AnsweredLine fresh("rplidar-a3", params);
+  AnsweredLine fresh("rplidar-a2", params);
   for (AnsweredLine* const each : {&line, &fresh}) {
     each->forget_requests();
     each->in_its_stead = [](const std::string& asked) -> std::optional<std::string> {
       return asked == rplidar_asked(Command::kInfo)
-                 ? std::optional(rplidar_answer(4, "\x31\x14\x01\x06" + std::string(16, '\x09')))
+                 ? std::optional(rplidar_answer(4, "\x28\x14\x01\x06" + std::string(16, '\x09')))
              : asked.starts_with("\xA5\x84") ? std::optional(std::string())
                                              : std::nullopt;
     };

@@ -51,17 +51,22 @@ TEST(RplidarTurn, GivesEvenBeamsWhateverTheNumberOfPoints) {
   }
 }
 
-// The first turn has a point more, near the front, and sees what is 5 m away; all others see 2 m.
+// The first turn has some points more, up to the front, and sees what is 5 m away; all others see 2 m.
 TEST(RplidarTurn, NothingOfALongerTurnBeforeTheLastIsLeft) {
-  Turn turn;
-  std::vector<float> ranges_m(360);
-  std::int64_t now_ns = 0;
-  for (int round = 0; round < 6; ++round) {
-    const int points = round == 0 ? 303 : 300;
-    for (int i = 0; i < points; ++i, now_ns += kMs / 2) {
-      if (turn.add({.angle_deg = 0.9 + 1.188 * i, .range_m = round == 0 ? 5.0 : 2.0}, now_ns) && round > 2) {
-        static_cast<void>(turn.resample(ranges_m));
-        EXPECT_TRUE(std::ranges::all_of(ranges_m, [](float range_m) { return range_m < 2.001F; })) << round;
+  for (const int more : {1, 2, 3, 4, 5}) {
+    Turn turn;
+    std::vector<float> ranges_m(360);
+    std::int64_t now_ns = 0;
+    for (int round = 0; round < 6; ++round) {
+      const int points = round == 0 ? 300 + more : 300;
+      const double last_deg = round == 0 ? 359.7 : 358.5;
+      for (int i = 0; i < points; ++i, now_ns += kMs / 2) {
+        const double angle_deg = 0.9 + (last_deg - 0.9) * i / (points - 1);
+        if (turn.add({.angle_deg = angle_deg, .range_m = round == 0 ? 5.0 : 2.0}, now_ns) && round > 2) {
+          EXPECT_EQ(turn.resample(ranges_m), 358) << "none where the last point of a turn is far from the first";
+          EXPECT_EQ(std::ranges::count(ranges_m, 0.0F), 2);
+          EXPECT_TRUE(std::ranges::none_of(ranges_m, [](float range_m) { return range_m > 2.001F; }));
+        }
       }
     }
   }

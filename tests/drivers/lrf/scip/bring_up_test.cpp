@@ -140,6 +140,8 @@ TEST(ScipBringUp, AsksForTheScansThatTheParametersSay) {
     const LrfGeometry& geometry = line.session().geometry();
     EXPECT_EQ(geometry.beams, 361);
     EXPECT_EQ(geometry.period_ns, 75 * kMs) << "every third of 40 a second";
+    EXPECT_NEAR(geometry.range_min_m, find_scip_model("utm-30lx")->range_min_mm * 1e-3, 1e-9);
+    EXPECT_NEAR(geometry.range_max_m, find_scip_model("utm-30lx")->range_max_mm * 1e-3, 1e-9);
     EXPECT_NEAR(geometry.angle_step_rad, 0.75 * M_PI / 180.0, 1e-7);
     EXPECT_NEAR(geometry.start_angle_rad, (0.25 - 135.0) * M_PI / 180.0, 1e-6) << "the middle of the first three";
     EXPECT_NEAR(static_cast<double>(line.heard().scans.size()), 25.0, 2.0);
@@ -258,6 +260,20 @@ TEST(ScipBringUp, WhatALaserSaysWhileItStreamsEndsTheStreamByItsKind) {
     EXPECT_EQ(line.asked("RS\n"), said.is_reset ? 1 : 0);
     EXPECT_TRUE(line.session().ready());
   }
+}
+
+TEST(ScipBringUp, DamageInTheStreamIsCountedAndTold) {
+  AnsweredLine line("utm-30lx", scip_line_params());
+  line.reset();
+  line.run(kSecond);
+  line.say("MD0000108001000\n99X\n0000\n\n");
+  EXPECT_EQ(line.session().counters().rejected, 1U);
+  ASSERT_EQ(line.heard().count(LrfEventType::kRejected), 1);
+  EXPECT_EQ(line.heard().events.back().reason, Errc::kWrongSum);
+  line.say("MD0000108001000\n" + scip::summed("99") + "\n");
+  EXPECT_EQ(line.session().counters().rejected, 2U);
+  EXPECT_EQ(line.heard().count(LrfEventType::kRejected), 2);
+  EXPECT_TRUE(line.session().ready());
 }
 
 // What a line takes for each byte can be told from the device's clock alone, which is asked for its time.

@@ -20,7 +20,7 @@ class ReplyIn {
   ReplyReader reader_{4096, 64};
 };
 
-std::string summed(const std::string& line) { return line + checksum(line) + "\n"; }
+std::string summed_line(const std::string& line) { return line + checksum(line) + "\n"; }
 
 // As a URG-04LX sends it.
 const std::string kParameters =
@@ -73,7 +73,7 @@ TEST(ScipReplies, RefusesParametersThatCannotBe) {
 }
 
 // Three beams of 1234, 5432 and 0 mm at 16,000,000 ms.
-const std::string kScan = "MD0000000201000\n99b\n" + summed("m2@0") + summed("0CB1Dh000") + "\n";
+const std::string kScan = "MD0000000201000\n99b\n" + summed_line("m2@0") + summed_line("0CB1Dh000") + "\n";
 constexpr ScanFormat kFormat{.echo = "MD0000000201000", .beams = 3};
 
 Errc scan_error(const std::string& text) {
@@ -94,16 +94,17 @@ TEST(ScipReplies, NamesWhatIsWrongWithAScan) {
   EXPECT_EQ(scan_error(kScan), Errc::kOk);
   EXPECT_EQ(scan_error(replaced(kScan, "MD0000000201000", "MD0000000201001")), Errc::kWrongEcho);
   EXPECT_EQ(scan_error(replaced(kScan, "99b", "99c")), Errc::kWrongSum);
-  EXPECT_EQ(scan_error(replaced(kScan, "99b", summed("0E").substr(0, 3))), Errc::kDeviceStatus);
+  EXPECT_EQ(scan_error(replaced(kScan, "99b", summed_line("0E").substr(0, 3))), Errc::kDeviceStatus);
   EXPECT_EQ(scan_error(replaced(kScan, "99b", "y9b")), Errc::kFrameMalformed) << "the sum doesn't see that bit";
   EXPECT_EQ(scan_error(replaced(kScan, "m2@0", "m2@1")), Errc::kWrongSum);
   EXPECT_EQ(scan_error(replaced(kScan, "m2@0", "m2@")), Errc::kFrameMalformed);
   EXPECT_EQ(scan_error(replaced(kScan, "0CB", "0CC")), Errc::kWrongSum);
   EXPECT_EQ(scan_error(replaced(kScan, "0CB", "0\x03\x42")), Errc::kFrameMalformed) << "nor that one";
-  EXPECT_EQ(scan_error(replaced(kScan, summed("0CB1Dh000"), summed("0CB1Dh"))), Errc::kWrongCount);
-  EXPECT_EQ(scan_error(replaced(kScan, summed("0CB1Dh000"), summed("0CB1Dh000000"))), Errc::kWrongCount);
-  EXPECT_EQ(scan_error(replaced(kScan, summed("0CB1Dh000"), summed("0CB1Dh000") + summed("000"))), Errc::kWrongCount);
-  EXPECT_EQ(scan_error(replaced(kScan, summed("m2@0") + summed("0CB1Dh000"), "")), Errc::kFrameTruncated);
+  EXPECT_EQ(scan_error(replaced(kScan, summed_line("0CB1Dh000"), summed_line("0CB1Dh"))), Errc::kWrongCount);
+  EXPECT_EQ(scan_error(replaced(kScan, summed_line("0CB1Dh000"), summed_line("0CB1Dh000000"))), Errc::kWrongCount);
+  EXPECT_EQ(scan_error(replaced(kScan, summed_line("0CB1Dh000"), summed_line("0CB1Dh000") + summed_line("000"))),
+            Errc::kWrongCount);
+  EXPECT_EQ(scan_error(replaced(kScan, summed_line("m2@0") + summed_line("0CB1Dh000"), "")), Errc::kFrameTruncated);
 }
 
 TEST(ScipReplies, TellsScip1FromScip2) {
