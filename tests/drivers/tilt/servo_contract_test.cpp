@@ -327,7 +327,7 @@ TEST_P(TiltContract, BeforeItsLineIsOpenItWantsNothing) {
 }
 
 /// Counts, and allocates nothing.
-class Counter final : public TiltSink {
+class SampleCounter final : public TiltSink {
  public:
   void on_angle(const TiltSample&) override { ++samples; }
   void on_event(const TiltEvent&) override { ++events; }
@@ -341,7 +341,7 @@ TEST_P(TiltContract, NothingIsAllocatedAfterConstruction) {
   }
   const std::unique_ptr<EmulatedServo> servo = ServoBench::make_servo(params(), faults_of("stall@1:1"));
   const auto session = make_tilt_session(params());
-  Counter counter;
+  SampleCounter counter;
   std::int64_t calls = 0;
   std::int64_t now_ns = 1000 * kServoSecond;
   session->reset(now_ns);
