@@ -66,6 +66,24 @@ TEST(CsvLineReader, ThrowsAwayWhatIsTooLongAndGoesOn) {
   EXPECT_EQ(reader.take(rest), LineReader::Outcome::kMore);
 }
 
+TEST(CsvSession, ItsPeriodIsThatOfTwoLinesInARow) {
+  LrfParams params;
+  params.driver = LrfDriver::kCsv;
+  const auto session = make_lrf_session(params, 8);
+  test::Heard heard;
+  session->reset(0);
+  std::int64_t now_ns = 0;
+  for (const auto& [line, is_ready] : {std::pair("scan,,-1.5,0.5,,1,2\n", false),
+                                       {"scan,,nonsense\n", false},
+                                       {"scan,,-1.5,0.5,,1,2\n", false},
+                                       {"scan,,-1.5,0.5,,1,2\n", true}}) {
+    now_ns += 100 * test::kMs;
+    session->receive(std::as_bytes(std::span(std::string_view(line))), now_ns, heard);
+    EXPECT_EQ(session->ready(), is_ready) << "at " << now_ns;
+  }
+  EXPECT_EQ(session->geometry().period_ns, 100 * test::kMs);
+}
+
 TEST(CsvSession, StampsAreThoseOfTheFirstBeams) {
   LrfParams params;
   params.driver = LrfDriver::kCsv;

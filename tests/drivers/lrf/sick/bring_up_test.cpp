@@ -284,6 +284,17 @@ TEST(SickBringUp, EachTimeTheLineIsOpenedAndAfterEachAnswerItIsAsPatient) {
   EXPECT_EQ(line.heard().count(LrfEventType::kLost), 0);
 }
 
+TEST(SickBringUp, ALineThatIsOpenedAnewHasAllItsPatienceAgain) {
+  AnsweredLine line("lms291", sick_line_params(38400));
+  with_scans_instead(line, 100);
+  line.reset();
+  line.run(4500 * kMs);
+  line.reset();
+  line.run(5900 * kMs);
+  EXPECT_EQ(line.session().line_baud(), 38400);
+  EXPECT_TRUE(line.heard().events.empty());
+}
+
 TEST(SickBringUp, WhatComesLateInThePauseChangesNothing) {
   AnsweredLine line("lms291", sick_line_params(9600));
   answer_instead(line, kSickStart, sick_answer("\xA0\x02"), 1);

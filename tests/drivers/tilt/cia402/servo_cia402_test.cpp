@@ -324,6 +324,9 @@ TEST(Cia402Session, AStampIsThatOfTheSyncOnTheBus) {
   EXPECT_EQ(bench.heard().samples.back().arrival_ns, sync_ns + kServoMs);
   bench.session().receive(as_bytes(status), sync_ns + kServoMs + 1, bench.heard());
   EXPECT_EQ(bench.heard().samples.size(), before + 1) << "a frame twice is one angle";
+  EXPECT_TRUE(bench.heard().has(TiltEventType::kRejected, Errc::kImplausibleStamp));
+  bench.session().receive(as_bytes(data_frame(0x81, {0x10, 0x23, 1})), sync_ns + 2 * kServoMs, bench.heard());
+  EXPECT_TRUE(bench.heard().has(TiltEventType::kRejected, Errc::kFrameMalformed)) << "half an emergency";
 }
 
 TEST(Cia402Session, HeedsNoFramesOfOthers) {
