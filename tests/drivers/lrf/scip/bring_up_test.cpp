@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -119,8 +120,7 @@ TEST(ScipBringUp, AsksInOrderAndWithoutDelay) {
   line.run(150 * kMs);
   EXPECT_TRUE(line.session().ready());
   std::vector<std::string> requests = line.requests();
-  const auto repeated = std::ranges::unique(requests);
-  requests.erase(repeated.begin(), repeated.end());
+  requests.erase(std::unique(requests.begin(), requests.end()), requests.end());
   EXPECT_THAT(requests,
               ::testing::ElementsAre("\nQT\n", "QT\n", "PP\n", "TM0\n", "TM1\n", "TM2\n", "MD0000108001000\n"));
 }
