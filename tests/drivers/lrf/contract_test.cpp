@@ -134,6 +134,25 @@ TEST_P(LrfContract, ItsGeometryIsThatOfItsScans) {
               0.05 * static_cast<double>(geometry.period_ns));
 }
 
+// A quarter of a second is missing, which is no whole number of turns of most.
+TEST_P(LrfContract, StampsAreTrueAgainSoonAfterSomethingWasLost) {
+  bring_up();
+  bench_.run(2 * kSecond);
+  bench_.on_the_way = [](std::string& bytes) { bytes.clear(); };
+  bench_.run(270 * kMs);
+  bench_.on_the_way = [](std::string&) {};
+  bench_.run(kSecond);
+  const std::size_t first = scans();
+  run_until_scans(5, kBroughtUpNs);
+  for (std::size_t i = first; i < scans(); ++i) {
+    std::int64_t least_ns = kSecond;
+    for (const SentScan& sent : bench_.sent()) {
+      least_ns = std::min(least_ns, std::abs(sent.first_beam_ns - bench_.heard().scans[i].stamp_ns));
+    }
+    EXPECT_LT(least_ns, 3 * kMs) << i;
+  }
+}
+
 TEST_P(LrfContract, IsTakenOverWhileItStreams) {
   bring_up();
   const int told_before = bench_.heard().count(LrfEventType::kLost);
