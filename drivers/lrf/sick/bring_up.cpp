@@ -172,7 +172,7 @@ void BringUp::on_nak(std::int64_t now_ns) {
 bool BringUp::answers(const Telegram& telegram) const {
   switch (step()) {
     case Step::kReset:
-      return telegram.command() == kAnswer + kReset || telegram.command() == 0x90;  // it says that it is on
+      return telegram.command() == kPowerOn;  // after its word that it begins, which comes too soon
     case Step::kAskStatus:
       return telegram.command() == kAnswer + kAskStatus;
     case Step::kAskConfiguration:

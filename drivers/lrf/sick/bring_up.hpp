@@ -14,6 +14,8 @@
 
 namespace odoless::sick {
 
+constexpr int kPowerOn = 0x90;  ///< a device says by itself that it is on, also after a reset
+
 /// What a device is set to.
 struct Found {
   SickVariant variant = SickVariant::k180ByHalf;

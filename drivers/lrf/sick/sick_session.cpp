@@ -4,7 +4,6 @@ namespace odoless {
 namespace {
 
 constexpr std::size_t kPayloadMaxBytes = 812;  ///< a scan of 401 beams; every other message is shorter
-constexpr int kPowerOn = 0x90;
 constexpr int kSeverityBits = 0x07;
 constexpr int kError = 3;
 constexpr int kFatal = 4;
@@ -53,7 +52,7 @@ void SickSession::on_telegram(std::int64_t arrival_ns, LrfSink& sink) {
 
 void SickSession::on_stream_telegram(const sick::Telegram& telegram, std::int64_t arrival_ns, LrfSink& sink) {
   if (telegram.command() != sick::kScanReply) {
-    if (telegram.command() == kPowerOn) {
+    if (telegram.command() == sick::kPowerOn) {
       sink.on_event({.type = LrfEventType::kLost, .reason = Errc::kDeviceStatus});
       start_over(arrival_ns, false);
     }
