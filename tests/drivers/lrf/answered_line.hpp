@@ -40,6 +40,15 @@ class AnsweredLine {
     return std::optional<std::string>();
   };
 
+  /// Answers the requests that begin so, `times` times. @param at  What comes before does not count.
+  void answer_instead(const std::string& beginning, const std::string& answer, int times = 1000, std::size_t at = 0) {
+    in_its_stead = [=, left = times](const std::string& request) mutable {
+      const bool is_it = left > 0 && request.size() > at && request.compare(at, beginning.size(), beginning) == 0;
+      left -= is_it ? 1 : 0;
+      return is_it ? std::optional(answer) : std::nullopt;
+    };
+  }
+
   [[nodiscard]] LrfSession& session() { return *session_; }
   template <class Session>
   [[nodiscard]] Session& session_as() {

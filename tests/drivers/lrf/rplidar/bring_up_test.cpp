@@ -55,15 +55,6 @@ std::string rplidar_value(Setting setting, const std::string& value) {
   return rplidar_answer(0x20, rplidar_number(static_cast<int>(setting)) + std::string(2, '\0') + value);
 }
 
-/// Answers the requests that begin so in the laser's stead, `times` times.
-void answer_rplidar(AnsweredLine& line, const std::string& beginning, const std::string& answer, int times = 1000) {
-  line.in_its_stead = [=, left = times](const std::string& request) mutable {
-    const bool is_it = request.starts_with(beginning) && left > 0;
-    left -= is_it ? 1 : 0;
-    return is_it ? std::optional(answer) : std::nullopt;
-  };
-}
-
 /// It streams by this request, the only one for a scan, and nothing was wrong.
 void expect_streams_by(AnsweredLine& line, const std::string& request) {
   EXPECT_TRUE(line.session().ready());
@@ -101,7 +92,7 @@ TEST(RplidarBringUp, StartsTheModeThatIsWishedForOrRecommended) {
 
 TEST(RplidarBringUp, WhereThePacketsOfTheRecommendedModeAreUnknownTheStandardScanIsTaken) {
   AnsweredLine line("rplidar-a3", rplidar_line_params());
-  answer_rplidar(line, rplidar_question(Setting::kModeAnswer, 3), rplidar_value(Setting::kModeAnswer, "\x99"));
+  line.answer_instead(rplidar_question(Setting::kModeAnswer, 3), rplidar_value(Setting::kModeAnswer, "\x99"));
   line.reset();
   line.run(2 * kSecond);
   expect_streams_by(line, rplidar_asked(Command::kScan));
@@ -109,7 +100,7 @@ TEST(RplidarBringUp, WhereThePacketsOfTheRecommendedModeAreUnknownTheStandardSca
 
 TEST(RplidarBringUp, WhereThePacketsOfNoModeAreKnownThatIsToldAndTheLaserAskedAgain) {
   AnsweredLine line("rplidar-a3", rplidar_line_params(RplidarScan::kStandard));
-  answer_rplidar(line, rplidar_question(Setting::kModeAnswer), rplidar_value(Setting::kModeAnswer, "\x99"), 1);
+  line.answer_instead(rplidar_question(Setting::kModeAnswer), rplidar_value(Setting::kModeAnswer, "\x99"), 1);
   line.reset();
   line.run(kSecond);
   ASSERT_EQ(line.heard().events.size(), 1U);
@@ -141,7 +132,7 @@ TEST(RplidarBringUp, WithoutAListOfModesTheOldExpressScanIsTaken) {
         Case{"samples that take seconds", sample, rplidar_value(Setting::kModeSample, std::string(4, '\x7F'))}}) {
     SCOPED_TRACE(told.what);
     AnsweredLine line("rplidar-a3", rplidar_line_params());
-    answer_rplidar(line, told.question, told.answer);
+    line.answer_instead(told.question, told.answer);
     line.reset();
     line.run(3 * kSecond);
     EXPECT_EQ(line.asked(rplidar_asked(Command::kSampleTime)), 1);
@@ -154,13 +145,13 @@ TEST(RplidarBringUp, AnOldLaserThatTellsNoTimesOfItsSamplesIsTakenToKnowTheStand
   for (const std::string& answer :
        {std::string(), rplidar_answer(0x15, "\x64"), rplidar_answer(0x99, std::string(4, '\x7F'))}) {
     AnsweredLine line("rplidar-a1-1.20", rplidar_line_params());
-    answer_rplidar(line, rplidar_asked(Command::kSampleTime), answer);
+    line.answer_instead(rplidar_asked(Command::kSampleTime), answer);
     line.reset();
     line.run(3 * kSecond);
     expect_streams_by(line, rplidar_asked(Command::kScan));
   }
   AnsweredLine line("rplidar-a1-1.20", rplidar_line_params(RplidarScan::kExpress));
-  answer_rplidar(line, rplidar_asked(Command::kSampleTime), "");
+  line.answer_instead(rplidar_asked(Command::kSampleTime), "");
   line.reset();
   line.run(3 * kSecond);
   expect_streams_by(line, rplidar_express(0));
@@ -168,7 +159,7 @@ TEST(RplidarBringUp, AnOldLaserThatTellsNoTimesOfItsSamplesIsTakenToKnowTheStand
 
 TEST(RplidarBringUp, ABrokenLaserIsToldWithItsStatusAndResetAfterAPause) {
   AnsweredLine line("rplidar-a2", rplidar_line_params());
-  answer_rplidar(line, rplidar_asked(Command::kHealth), rplidar_answer(6, std::string("\x02\x00\x80", 3)), 1);
+  line.answer_instead(rplidar_asked(Command::kHealth), rplidar_answer(6, std::string("\x02\x00\x80", 3)), 1);
   line.reset();
   line.run(500 * kMs);
   ASSERT_EQ(line.heard().events.size(), 1U);
@@ -187,7 +178,7 @@ TEST(RplidarBringUp, ABrokenLaserIsToldWithItsStatusAndResetAfterAPause) {
 
 TEST(RplidarBringUp, AWarningIsNoReasonNotToStream) {
   AnsweredLine line("rplidar-a2", rplidar_line_params());
-  answer_rplidar(line, rplidar_asked(Command::kHealth), rplidar_answer(6, std::string("\x01\x00\x80", 3)));
+  line.answer_instead(rplidar_asked(Command::kHealth), rplidar_answer(6, std::string("\x01\x00\x80", 3)));
   line.reset();
   line.run(2 * kSecond);
   expect_streams_by(line, rplidar_express(2));
@@ -204,7 +195,7 @@ TEST(RplidarBringUp, AnswersToSomethingElseAreNotTaken) {
         {rplidar_question(Setting::kUsualMode), rplidar_answer(0x21, std::string("\x7C\x00\x00\x00\x00\x00", 6))},
         {rplidar_question(Setting::kModeSample, 2), one_of_another}}) {
     AnsweredLine line("rplidar-a2", rplidar_line_params());
-    answer_rplidar(line, request, answer, 1);
+    line.answer_instead(request, answer, 1);
     line.reset();
     line.run(3 * kSecond);
     EXPECT_EQ(line.asked(request), 2);
@@ -218,7 +209,7 @@ TEST(RplidarBringUp, FindsAnAnswerBehindBytesThatAreNone) {
        {std::string("\xA5"), std::string("\xA5\xA5\xA5"), std::string("\x5A\x00\xA5\x00", 4),
         rplidar_answer(7, std::string(120, '\x11')).substr(0, 7)}) {
     AnsweredLine line("rplidar-a2", rplidar_line_params());
-    answer_rplidar(line, rplidar_asked(Command::kInfo), before + info, 1);
+    line.answer_instead(rplidar_asked(Command::kInfo), before + info, 1);
     line.reset();
     line.run(2 * kSecond);
     EXPECT_EQ(line.asked(rplidar_asked(Command::kInfo)), 1);
@@ -228,7 +219,7 @@ TEST(RplidarBringUp, FindsAnAnswerBehindBytesThatAreNone) {
 
 TEST(RplidarBringUp, HalfAnAnswerSpoilsNotTheNext) {
   AnsweredLine line("rplidar-a2", rplidar_line_params());
-  answer_rplidar(line, rplidar_asked(Command::kInfo), std::string("\xA5\x5A\x14\x00", 4), 4);
+  line.answer_instead(rplidar_asked(Command::kInfo), std::string("\xA5\x5A\x14\x00", 4), 4);
   line.reset();
   line.run(4 * kSecond);
   EXPECT_TRUE(line.session().ready());
@@ -271,7 +262,7 @@ TEST(RplidarBringUp, TheMotorGetsWhatItsSeriesTakes) {
     params.rplidar_pwm = motor.pwm;
     AnsweredLine line(motor.model, params);
     if (!motor.speed.empty()) {
-      answer_rplidar(line, rplidar_question(Setting::kUsualSpeed), motor.speed == "-" ? "" : motor.speed);
+      line.answer_instead(rplidar_question(Setting::kUsualSpeed), motor.speed == "-" ? "" : motor.speed);
     }
     line.reset();
     line.run(3 * kSecond);
@@ -353,7 +344,7 @@ TEST(RplidarBringUp, AStreamOfOtherPacketsThanAskedForIsRefusedAndAskedForAgain)
                               Case{RplidarScan::kExpress, rplidar_answer(0x99, std::string(84, ' '), 1)}}) {
     AnsweredLine line("rplidar-a2", rplidar_line_params(refused.scan));
     const bool is_standard = refused.scan == RplidarScan::kStandard;
-    answer_rplidar(line, is_standard ? "\xA5\x20" : "\xA5\x82", refused.answer, 1);
+    line.answer_instead(is_standard ? "\xA5\x20" : "\xA5\x82", refused.answer, 1);
     line.reset();
     line.run(kSecond);
     EXPECT_FALSE(line.session().ready());
@@ -369,7 +360,7 @@ TEST(RplidarBringUp, ALaserThatLeavesALastStepUnansweredIsToldOfOnceAndAskedOn) 
   for (const std::string& request :
        {rplidar_asked(Command::kHealth), rplidar_question(Setting::kModeAnswer, 2), rplidar_express(2)}) {
     AnsweredLine line("rplidar-a2", rplidar_line_params());
-    answer_rplidar(line, request, "", 4);
+    line.answer_instead(request, "", 4);
     line.reset();
     line.run(900 * kMs);
     EXPECT_FALSE(line.session().ready());

@@ -28,15 +28,6 @@ LrfParams scip_line_params(int baud = 0) {
 
 std::string scip_rate_request(int baud) { return fmt::format("SS{:06d}\n", baud); }
 
-/// Answers the requests that begin so in the laser's stead, `times` times.
-void answer_scip(AnsweredLine& line, const std::string& beginning, const std::string& answer, int times = 1000) {
-  line.in_its_stead = [=, left = times](const std::string& request) mutable {
-    const bool is_it = request.starts_with(beginning) && left > 0;
-    left -= is_it ? 1 : 0;
-    return is_it ? std::optional(answer) : std::nullopt;
-  };
-}
-
 TEST(ScipBringUp, SwitchesALaserFromAnyRateToTheWishedOne) {
   constexpr int kRates[] = {19200, 57600, 115200, 250000, 500000, 750000};
   for (const int before_baud : kRates) {
@@ -59,7 +50,7 @@ TEST(ScipBringUp, SwitchesALaserFromAnyRateToTheWishedOne) {
 TEST(ScipBringUp, ALaserThatRefusesTheRateIsUsedAtTheOneThatItHas) {
   for (const char* const status : {"01", "02", "04"}) {
     AnsweredLine line("urg-04lx", scip_line_params(115200), {.faults = {}, .rs232_baud = 57600});
-    answer_scip(line, "SS", scip::answer("SS115200", status));
+    line.answer_instead("SS", scip::answer("SS115200", status));
     line.reset();
     line.run(5 * kSecond);
     ASSERT_TRUE(line.session().ready());
@@ -90,7 +81,7 @@ TEST(ScipBringUp, ALaserThatSaysThatItHasTheRateIsFollowedToIt) {
 TEST(ScipBringUp, AnAnswerToTheRateThatIsDamagedOrAnothersIsNoAnswer) {
   for (const std::string& answer : {std::string("SS115200\n00X\n\n"), scip::answer("QT", "02"), std::string()}) {
     AnsweredLine line("urg-04lx", scip_line_params(115200), {.faults = {}, .rs232_baud = 57600});
-    answer_scip(line, "SS", answer, 1);
+    line.answer_instead("SS", answer, 1);
     line.reset();
     line.run(4 * kSecond);
     ASSERT_TRUE(line.session().ready());
@@ -175,7 +166,7 @@ TEST(ScipBringUp, AUrgInScip1IsSwitchedAndAskedAgain) {
 
 TEST(ScipBringUp, ARefusedStreamIsToldWithItsStatusAndTheLaserIsResetAndTriedAgain) {
   AnsweredLine line("utm-30lx", scip_line_params());
-  answer_scip(line, "MD", scip::answer("MD0000108001000", "50"), 1);
+  line.answer_instead("MD", scip::answer("MD0000108001000", "50"), 1);
   line.reset();
   line.run(150 * kMs);
   ASSERT_EQ(line.heard().events.size(), 1U);
@@ -195,7 +186,7 @@ TEST(ScipBringUp, ARefusedStreamIsToldWithItsStatusAndTheLaserIsResetAndTriedAga
 TEST(ScipBringUp, DamagedAnswersAreAskedForAnewWithoutAComplaint) {
   for (const auto& [beginning, answer] : {std::pair("MD", "MD0000108001000\n00X\n\n"), {"QT", "QT\n00X\n\n"}}) {
     AnsweredLine line("utm-30lx", scip_line_params());
-    answer_scip(line, beginning, answer, 1);
+    line.answer_instead(beginning, answer, 1);
     line.reset();
     line.run(380 * kMs);
     EXPECT_TRUE(line.session().ready()) << beginning;
@@ -205,7 +196,7 @@ TEST(ScipBringUp, DamagedAnswersAreAskedForAnewWithoutAComplaint) {
 
 TEST(ScipBringUp, ParametersThatCannotBeReadAreToldAndAskedForAgain) {
   AnsweredLine line("utm-30lx", scip_line_params());
-  answer_scip(line, "PP", "PP\n" + scip::summed("00") + scip::key_line("DMIN", "20") + "\n", 1);
+  line.answer_instead("PP", "PP\n" + scip::summed("00") + scip::key_line("DMIN", "20") + "\n", 1);
   line.reset();
   line.run(500 * kMs);
   ASSERT_EQ(line.heard().events.size(), 1U);
@@ -218,7 +209,7 @@ TEST(ScipBringUp, ParametersThatCannotBeReadAreToldAndAskedForAgain) {
 
 TEST(ScipBringUp, ALaserThatAnswersTheFirstStepAloneIsToldOfOnce) {
   AnsweredLine line("utm-30lx", scip_line_params());
-  answer_scip(line, "PP", "");
+  line.answer_instead("PP", "");
   line.reset();
   line.run(10 * kSecond);
   EXPECT_FALSE(line.session().ready());
@@ -229,7 +220,7 @@ TEST(ScipBringUp, ALaserThatAnswersTheFirstStepAloneIsToldOfOnce) {
 
 TEST(ScipBringUp, ALaserThatTellsNoTimeIsAskedForItOnceInABringUp) {
   AnsweredLine line("utm-30lx", scip_line_params());
-  answer_scip(line, "TM0", "");
+  line.answer_instead("TM0", "");
   for (int bring_ups = 1; bring_ups <= 2; ++bring_ups) {
     line.reset();
     line.run(kSecond);

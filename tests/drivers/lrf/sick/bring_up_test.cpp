@@ -63,13 +63,10 @@ std::string sick_configuration(char mode, char unit) {
   return configuration;
 }
 
-/// Answers the requests that begin so in the laser's stead, `times` times.
-void answer_instead(AnsweredLine& line, const std::string& beginning, const std::string& answer, int times = 1000) {
-  line.in_its_stead = [=, left = times](const std::string& request) mutable {
-    const bool is_it = sick_payload(request).starts_with(beginning) && left > 0;
-    left -= is_it ? 1 : 0;
-    return is_it ? std::optional(answer) : std::nullopt;
-  };
+/// Answers the requests with such a command and data in the laser's stead, `times` times.
+void answer_sick(AnsweredLine& line, const std::string& beginning, const std::string& answer, int times = 1000) {
+  constexpr std::size_t kHeaderBytes = 4;
+  line.answer_instead(beginning, answer, times, kHeaderBytes);
 }
 
 TEST(SickBringUp, SwitchesALaserFromAnyRateToTheWishedOne) {
@@ -95,7 +92,7 @@ TEST(SickBringUp, SwitchesALaserFromAnyRateToTheWishedOne) {
 
 TEST(SickBringUp, ALaserThatRefusesTheRateIsUsedAtTheOneThatItHas) {
   AnsweredLine line("lms291", sick_line_params(500000));
-  answer_instead(line, "\x20\x48", sick_answer("\xA0\x01"));
+  answer_sick(line, "\x20\x48", sick_answer("\xA0\x01"));
   line.reset();
   line.run(6 * kSecond);
   ASSERT_TRUE(line.session().ready());
@@ -125,7 +122,7 @@ TEST(SickBringUp, WritesUnitAndModeAndLeavesTheRestOfTheConfiguration) {
       SCOPED_TRACE(std::to_string(wished.mode) + " where it has " + std::to_string(mode) + " and " +
                    std::to_string(unit));
       AnsweredLine line("lms291", sick_line_params(9600, wished.wished));
-      answer_instead(line, "\x74", sick_answer("\xF4" + sick_configuration(mode, unit)));
+      answer_sick(line, "\x74", sick_answer("\xF4" + sick_configuration(mode, unit)));
       line.reset();
       line.run(4 * kSecond);
       ASSERT_TRUE(line.session().ready());
@@ -154,7 +151,7 @@ TEST(SickBringUp, ARefusalIsToldWithItsCodeAndTheLaserIsResetAndTriedAgain) {
         Case{"all, for it is broken", "\x31", sick_answer("\xB1" + std::string(151, '\0'), '\x14'), 0x14}}) {
     SCOPED_TRACE(refusal.what);
     AnsweredLine line("lms291", sick_line_params(500000, SickUnit::kMm));
-    answer_instead(line, refusal.beginning, refusal.answer, 1);
+    answer_sick(line, refusal.beginning, refusal.answer, 1);
     line.reset();
     line.run(1500 * kMs);
     EXPECT_FALSE(line.session().ready());
@@ -171,7 +168,7 @@ TEST(SickBringUp, ARefusalIsToldWithItsCodeAndTheLaserIsResetAndTriedAgain) {
 
 TEST(SickBringUp, ASlightTroubleIsNoReasonNotToStream) {
   AnsweredLine line("lms291", sick_line_params(500000));
-  answer_instead(line, "\x31", sick_answer("\xB1" + std::string(151, '\0'), '\x13'));
+  answer_sick(line, "\x31", sick_answer("\xB1" + std::string(151, '\0'), '\x13'));
   line.reset();
   line.run(3 * kSecond);
   EXPECT_TRUE(line.session().ready());
@@ -194,7 +191,7 @@ TEST(SickBringUp, WhatIsNotUnderstoodIsAskedAgainThreeTimesEach) {
 
 TEST(SickBringUp, ALaserThatUnderstandsNothingIsNotFloodedWithRequests) {
   AnsweredLine line("lms291", sick_line_params(9600));
-  answer_instead(line, "\x31", "\x15");
+  answer_sick(line, "\x31", "\x15");
   line.reset();
   line.run(kSecond);
   EXPECT_EQ(line.asked(sick_asked("\x31")), 4);
@@ -203,7 +200,7 @@ TEST(SickBringUp, ALaserThatUnderstandsNothingIsNotFloodedWithRequests) {
 
 TEST(SickBringUp, ALaserThatAnswersTheFirstStepAloneIsToldOfOnce) {
   AnsweredLine line("lms291", sick_line_params(9600));
-  answer_instead(line, "\x31", "");
+  answer_sick(line, "\x31", "");
   line.reset();
   line.run(12 * kSecond);
   EXPECT_FALSE(line.session().ready());
@@ -217,7 +214,7 @@ TEST(SickBringUp, ALaserThatAnswersTheFirstStepAloneIsToldOfOnce) {
 
 /// A laser that hears and streams on: a scan comes instead of each of the first answers to the first step.
 AnsweredLine& with_scans_instead(AnsweredLine& line, int scans) {
-  answer_instead(line, kSickStop, sick_answer("\xB0" + std::string(20, '\x01')), scans);
+  answer_sick(line, kSickStop, sick_answer("\xB0" + std::string(20, '\x01')), scans);
   return line;
 }
 
@@ -297,7 +294,7 @@ TEST(SickBringUp, ALineThatIsOpenedAnewHasAllItsPatienceAgain) {
 
 TEST(SickBringUp, WhatComesLateInThePauseChangesNothing) {
   AnsweredLine line("lms291", sick_line_params(9600));
-  answer_instead(line, kSickStart, sick_answer("\xA0\x02"), 1);
+  answer_sick(line, kSickStart, sick_answer("\xA0\x02"), 1);
   line.reset();
   line.run(kSecond);
   ASSERT_EQ(line.heard().events.size(), 1U);
@@ -324,7 +321,7 @@ TEST(SickBringUp, AnswersThatAreTooShortOrUnknownAreRefusedWithTheReason) {
                               Case{"\x74", "\xF4" + std::string(6, '\0'), Errc::kFrameTruncated}}) {
     AnsweredLine line("lms291", sick_line_params(0));
     line.session_as<SickSession>().only_ask();
-    answer_instead(line, refused.beginning, sick_answer(refused.answer), 1);
+    answer_sick(line, refused.beginning, sick_answer(refused.answer), 1);
     line.reset();
     line.run(kSecond);
     EXPECT_FALSE(line.session().ready());
@@ -370,7 +367,7 @@ TEST(SickBringUp, OnlyAskedItTellsWhatTheLaserIsAndChangesNothing) {
 TEST(SickBringUp, OnlyAskedALaserThatIsBrokenIsNotReset) {
   AnsweredLine line("lms291", sick_line_params(0));
   line.session_as<SickSession>().only_ask();
-  answer_instead(line, "\x31", sick_answer("\xB1" + std::string(151, '\0'), '\x14'));
+  answer_sick(line, "\x31", sick_answer("\xB1" + std::string(151, '\0'), '\x14'));
   line.reset();
   line.run(4 * kSecond);
   EXPECT_GE(line.heard().count(LrfEventType::kDeviceError), 2);

@@ -34,15 +34,6 @@ const std::string kSopasMeasure = sopas_text("sMN LMCstartmeas");
 const std::string kSopasRun = sopas_text("sMN Run");
 const std::string kSopasStart = sopas_text("sEN LMDscandata 1");
 
-/// Answers a request in the laser's stead, `times` times.
-void answer_sopas(AnsweredLine& line, const std::string& asked, const std::string& answer, int times = 1000) {
-  line.in_its_stead = [=, left = times](const std::string& request) mutable {
-    const bool is_it = request == asked && left > 0;
-    left -= is_it ? 1 : 0;
-    return is_it ? std::optional(answer) : std::nullopt;
-  };
-}
-
 TEST(SopasBringUp, AsksInOrderAndWithoutDelay) {
   AnsweredLine line("lms111", sopas_line_params());
   line.reset();
@@ -69,7 +60,7 @@ TEST(SopasBringUp, SetsThemWhereEitherDiffersOrItDoesNotTell) {
                                        {"sRA LMPscancfg 9C4 1", true},
                                        {"sFA 3", true}}) {
     AnsweredLine line("lms111", sopas_line_params(SopasScan::k25HzByQuarter));
-    answer_sopas(line, kSopasAskScan, sopas_text(answer));
+    line.answer_instead(kSopasAskScan, sopas_text(answer));
     line.reset();
     line.run(7 * kSecond);
     EXPECT_TRUE(line.session().ready());
@@ -80,7 +71,7 @@ TEST(SopasBringUp, SetsThemWhereEitherDiffersOrItDoesNotTell) {
 TEST(SopasBringUp, ARefusedSettingIsToldWithItsCodeAndTheLaserUsedAsItIs) {
   for (const auto& [answer, code] : {std::pair("sFA 5", 5), {"sAN mLMPsetscancfg 2 1388 1 1388 FFF92230 225510", -1}}) {
     AnsweredLine line("lms111", sopas_line_params(SopasScan::k25HzByQuarter));
-    answer_sopas(line, kSopasSetScan, sopas_text(answer));
+    line.answer_instead(kSopasSetScan, sopas_text(answer));
     line.reset();
     line.run(7 * kSecond);
     ASSERT_TRUE(line.session().ready());
@@ -96,7 +87,7 @@ TEST(SopasBringUp, ARefusedContentMattersOnlyWhereScansAreToBeLeftOut) {
   for (const int skip : {0, 2}) {
     const std::string content = sopas_text("sWN LMDscandatacfg 01 00 0 1 0 00 00 0 0 0 0 " + std::to_string(skip + 1));
     AnsweredLine line("lms111", sopas_line_params(SopasScan::kAsSet, skip));
-    answer_sopas(line, content, sopas_text("sFA A"));
+    line.answer_instead(content, sopas_text("sFA A"));
     line.reset();
     line.run(2 * kSecond);
     ASSERT_TRUE(line.session().ready());
@@ -108,7 +99,7 @@ TEST(SopasBringUp, ARefusedContentMattersOnlyWhereScansAreToBeLeftOut) {
 
 TEST(SopasBringUp, ARefusedStreamIsToldAndAskedForAgainAfterAPause) {
   AnsweredLine line("lms111", sopas_line_params());
-  answer_sopas(line, kSopasStart, sopas_text("sFA 7"), 1);
+  line.answer_instead(kSopasStart, sopas_text("sFA 7"), 1);
   line.reset();
   line.run(300 * kMs);
   ASSERT_EQ(line.heard().events.size(), 1U);
@@ -138,7 +129,7 @@ TEST(SopasBringUp, TriesBothDialectsAndTellsThenThatNobodyAnswers) {
 
 TEST(SopasBringUp, ALaserThatAnswersTheFirstStepAloneIsToldOfOnce) {
   AnsweredLine line("lms111", sopas_line_params());
-  answer_sopas(line, kSopasRun, "");
+  line.answer_instead(kSopasRun, "");
   line.reset();
   line.run(12 * kSecond);
   EXPECT_FALSE(line.session().ready());
@@ -149,7 +140,7 @@ TEST(SopasBringUp, ALaserThatAnswersTheFirstStepAloneIsToldOfOnce) {
 
 TEST(SopasBringUp, AnswersOfOtherRequestsAreNotTaken) {
   AnsweredLine line("lms111", sopas_line_params());
-  answer_sopas(line, kSopasMeasure, sopas_text("sAN Run 1") + sopas_text("sRA DeviceIdent 1 A 1 B"), 1);
+  line.answer_instead(kSopasMeasure, sopas_text("sAN Run 1") + sopas_text("sRA DeviceIdent 1 A 1 B"), 1);
   line.reset();
   line.run(800 * kMs);
   EXPECT_EQ(line.asked(kSopasRun), 0);
