@@ -24,6 +24,12 @@ namespace odoless {
   return turn * covariance * turn.transpose();
 }
 
+/// The same of x_m and y_m alone.
+[[nodiscard]] inline Eigen::Matrix2d turned(const Eigen::Matrix2d& covariance, double yaw_rad) {
+  const Eigen::Matrix2d turn = turn_matrix(yaw_rad).topLeftCorner<2, 2>();
+  return turn * covariance * turn.transpose();
+}
+
 /// What an error of a_T_b, in the axes of a, makes of a_T_c: its yaw turns the way from b to c.
 [[nodiscard]] inline Eigen::Matrix3d lever_matrix(const Pose2& a_T_b, const Pose2& a_T_c) {
   Eigen::Matrix3d lever = Eigen::Matrix3d::Identity();

@@ -55,7 +55,8 @@ class FilterInWorld {
   std::vector<Place> places_;  ///< of the submaps of this run
   PoseGraph::Projection projection_;
   Eigen::Matrix3d drift_ = Eigen::Matrix3d::Zero();
-  std::size_t first_ = 0;  ///< of them
+  Eigen::Matrix2d odom_slip_ = Eigen::Matrix2d::Zero();  ///< since the newest of them
+  std::size_t first_ = 0;                                ///< of them
   std::int64_t revision_ = -1;
   int forgotten_ = 0;                      ///< submaps of this run
   std::optional<Pose2> guess_;             ///< map_T_odom while this run is not joined to the world

@@ -46,6 +46,7 @@ OdometryStretch OdometryStretch::of(const Motion& motion) {
     out.covariance = rows_of<3>(covariance);
     out.slip_m = slip_of(covariance);
   }
+  out.map_slip = rows_of<2>(turned(matrix_of<2>(motion.map_slip), -step.yaw_rad));
   out.unknown_s = motion.probability < kCredible ? std::max(0.0, motion.duration_s()) + motion.duration_sd_s : 0.0;
   return out;
 }
@@ -57,6 +58,8 @@ OdometryStretch OdometryStretch::then(const OdometryStretch& next) const {
   const Point2 before_m = turned_back(slip_m, next.start_T_end.yaw_rad);
   const double sign = before_m.x_m * next.slip_m.x_m + before_m.y_m * next.slip_m.y_m < 0.0 ? -1.0 : 1.0;
   out.slip_m = {before_m.x_m + sign * next.slip_m.x_m, before_m.y_m + sign * next.slip_m.y_m};
+  out.map_slip = rows_of<2>(
+      Eigen::Matrix2d(turned(matrix_of<2>(map_slip), -next.start_T_end.yaw_rad) + matrix_of<2>(next.map_slip)));
   out.distance_m = distance_m + next.distance_m;
   out.rotation_rad = rotation_rad + next.rotation_rad;
   out.unknown_s = unknown_s + next.unknown_s;

@@ -18,6 +18,7 @@ struct OdometryStretch {
   Pose2 start_T_end{};
   MatrixRows<3> covariance{};  ///< sum of the steps' own
   Point2 slip_m{};             ///< along unconstrained directions; of either sign
+  MatrixRows<2> map_slip{};    ///< sum of the steps' own: Motion::map_slip
   double distance_m = 0.0;
   double rotation_rad = 0.0;
   double unknown_s = 0.0;  ///< over which the motion may be any: after steps that are not credible

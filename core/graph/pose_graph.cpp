@@ -58,6 +58,18 @@ int PoseGraph::largest_component() const {
   return static_cast<int>(std::max_element(nodes.begin(), nodes.end()) - nodes.begin());
 }
 
+// Drives in simulated buildings err by 0.03 to 0.3 of the deviations that a search must allow for, in 95 of 100 scans:
+// twice this. A slip of the local map is as large as it says, or larger.
+Eigen::Matrix3d Constraint::drift() const {
+  constexpr double kDrift_share = 0.15;
+  Eigen::Matrix3d drift = Eigen::Matrix3d::Zero();
+  if (!is_break) {
+    drift = kDrift_share * kDrift_share * covariance;
+    drift.topLeftCorner<2, 2>() += map_slip;
+  }
+  return drift;
+}
+
 void PoseGraph::add(const Constraint& constraint) {
   ODOLESS_CHECK(has_room(1) && constraint.from != constraint.to);
   const int index = static_cast<int>(constraints_.size());
@@ -108,11 +120,11 @@ void PoseGraph::erase(int first, int count) {
   }
 }
 
-void PoseGraph::project(int root, Projection& out) const { project(root, root + 1, true, out); }
+void PoseGraph::project(int root, Projection& out) const { project(root, root + 1, false, out); }
 
-void PoseGraph::project_drift(int begin, int end, Projection& out) const { project(begin, end, false, out); }
+void PoseGraph::project_drift(int begin, int end, Projection& out) const { project(begin, end, true, out); }
 
-void PoseGraph::project(int begin, int end, bool breaks_count, Projection& out) const {
+void PoseGraph::project(int begin, int end, bool of_drift, Projection& out) const {
   using Entry = std::pair<double, int>;
   out.covariances.assign(poses_.size(), Eigen::Matrix3d::Zero());
   out.costs.assign(poses_.size(), kUnreached);
@@ -140,10 +152,9 @@ void PoseGraph::project(int begin, int end, bool breaks_count, Projection& out) 
         continue;
       }
       const Pose2 step = poses_[at].inverse() * poses_[next];
-      Eigen::Matrix3d covariance = carried(out.covariances[at], step);
-      if (breaks_count || !constraint.is_break) {
-        covariance += is_forward ? constraint.covariance : inverted(constraint.covariance, constraint.from_T_to);
-      }
+      const Eigen::Matrix3d own = of_drift ? constraint.drift() : constraint.covariance;
+      const Eigen::Matrix3d covariance =
+          carried(out.covariances[at], step) + (is_forward ? own : inverted(own, constraint.from_T_to));
       const double cost = cost_of(covariance);
       if (cost < out.costs[next]) {
         out.costs[next] = cost;

@@ -24,14 +24,18 @@ struct Constraint {
   int from = 0;
   int to = 0;
   Pose2 from_T_to{};
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  bool is_loop = false;   ///< a loop closure, which may be wrong; else odometry
-  bool is_new = false;    ///< since the last solution
-  bool is_break = false;  ///< odometry over a motion that is not credible
-  double weight = 1.0;    ///< that robust least squares give a loop closure; 0: taken out
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< what a search for a loop must allow for
+  Eigen::Matrix2d map_slip = Eigen::Matrix2d::Zero();    ///< OdometryStretch's, in the axes of `to`
+  bool is_loop = false;                                  ///< a loop closure, which may be wrong; else odometry
+  bool is_new = false;                                   ///< since the last solution
+  bool is_break = false;                                 ///< odometry over a motion that is not credible
+  double weight = 1.0;  ///< that robust least squares give a loop closure; 0: taken out
 
   /// Whether one may rely on it: odometry, or a loop closure that the others don't contradict.
   [[nodiscard]] bool holds() const { return !is_loop || weight >= 0.3; }
+  /// How far off it is expected to be, in the axes of its covariance. Nothing over a break, for which the filter
+  /// vouches.
+  [[nodiscard]] Eigen::Matrix3d drift() const;
 };
 
 /// Poses of submaps and the constraints between them.
@@ -94,7 +98,7 @@ class PoseGraph {
     int after_to = kNone;
   };
 
-  void project(int begin, int end, bool breaks_count, Projection& out) const;
+  void project(int begin, int end, bool of_drift, Projection& out) const;
 
   std::size_t nodes_max_;
   std::size_t constraints_max_;

@@ -61,6 +61,14 @@ void SubmapBuilder::resume(const Submap& last, const KeyframeStore& store) {
   }
 }
 
+OdometryStretch SubmapBuilder::since_origin() const {
+  OdometryStretch sum = since_origin_;
+  for (const Begun& each : begun_) {
+    sum = sum.then(each.since_last);
+  }
+  return sum.then(since_stored_);
+}
+
 bool SubmapBuilder::finish(KeyframeStore& store) {
   if (begun_.empty()) {
     return false;

@@ -51,6 +51,8 @@ class SubmapBuilder {
   [[nodiscard]] const Submap& finished() const { return finished_; }
   /// From the origin of the submap before to the finished one's; default for the first one.
   [[nodiscard]] const OdometryStretch& odometry() const { return odometry_; }
+  /// From the finished submap's origin, or the beginning, to the newest keyframe.
+  [[nodiscard]] OdometryStretch since_origin() const;
 
  private:
   struct Begun {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/geometry/pose2_covariance.hpp"
+
 namespace odoless {
 namespace {
 
@@ -58,6 +60,7 @@ bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
   if (!graph_.full() && graph_.has_room(1) && builder_.add(keyframe, codes, store_)) {
     add_submap();
   }
+  odom_slip_ = turned(matrix_of<2>(builder_.since_origin().map_slip), keyframe.odom_T_scan.yaw_rad);
   if (localiser_ && store_.size() > index) {
     if (const std::optional<PlaceBySubmap> place = std::exchange(expected_, {})) {
       localiser_->expect(graph_.component(place->submap), graph_.pose(place->submap) * place->submap_T_scan,
@@ -146,6 +149,7 @@ void SubmapGraph::add_submap() {
                 .to = node,
                 .from_T_to = last_T_submap,
                 .covariance = odometry.constraint_covariance(limits_),
+                .map_slip = matrix_of<2>(odometry.map_slip),
                 .is_break = odometry.is_torn()});
     filter_ = {
         .node = node,

@@ -102,6 +102,8 @@ class SubmapGraph {
 
   /// From the newest submap on; behind a motion that is not credible as the particle filter had it over that.
   [[nodiscard]] Pose2 map_T_odom() const;
+  /// What the local map may have slipped by since the newest submap, over (x_m, y_m) in the axes of odom.
+  [[nodiscard]] const Eigen::Matrix2d& odom_slip() const { return odom_slip_; }
   /// Whether anything says where odom lies.
   [[nodiscard]] bool has_path() const { return is_chained_ || store_.size() > first_keyframe_; }
   [[nodiscard]] bool is_behind_unknown_motion() const { return builder_.is_behind_unknown_motion(); }
@@ -195,6 +197,7 @@ class SubmapGraph {
   Rng rng_;
   KeyframeStore store_;
   SubmapBuilder builder_;
+  Eigen::Matrix2d odom_slip_ = Eigen::Matrix2d::Zero();
   std::vector<Submap> submaps_;
   PoseGraph graph_;
   SubmapMatcher matcher_;

@@ -117,6 +117,29 @@ Eigen::Matrix3d Motion::covariance() const {
   return turned(error().motion_covariance(previous_T_current), previous_T_current.yaw_rad);
 }
 
+Eigen::Matrix3d Motion::covariance_with_slip() const {
+  Eigen::Matrix3d sum = covariance();
+  sum.topLeftCorner<2, 2>() += matrix_of<2>(map_slip);
+  return sum;
+}
+
+void Motion::set_slip_of(const Eigen::Matrix3d& covariance_with_slip) {
+  constexpr double kRounding = 1e-6;  // far above that of the sum
+  const Eigen::Matrix2d own = covariance().topLeftCorner<2, 2>();
+  const Eigen::Matrix2d slip = covariance_with_slip.topLeftCorner<2, 2>() - own;
+  set_map_slip(slip.trace() > kRounding * own.trace() ? slip : Eigen::Matrix2d::Zero());
+}
+
+void Motion::set_map_slip(const Eigen::Matrix2d& slip) {
+  constexpr double kSteps_per_m2 = 1099511627776.0;  // so that it comes out of a sum with another covariance as it was
+  const Eigen::Matrix2d symmetric = 0.5 * (slip + slip.transpose());
+  const Eigen::Matrix2d rounded = (symmetric * kSteps_per_m2).array().round() / kSteps_per_m2 + 0.0;  // no -0
+  const Eigen::Array2d variances = rounded.diagonal().array() + 1.0 / kSteps_per_m2;
+  const bool is_covariance =
+      rounded(0, 0) >= 0.0 && rounded(1, 1) >= 0.0 && rounded(0, 1) * rounded(0, 1) <= variances(0) * variances(1);
+  map_slip = is_covariance ? rows_of<2>(rounded) : MatrixRows<2>{};
+}
+
 double Motion::weight() const {
   double sum = 1.0;
   for (const MotionHypothesis& other : others()) {
@@ -150,6 +173,7 @@ Motion Motion::then(const Motion& next) const {
   sum.previous_T_current = previous_T_current * next.previous_T_current;
   sum.odom_T_current = next.odom_T_current;
   sum.set_error(error().then(next.error()));
+  sum.set_map_slip(matrix_of<2>(map_slip) + turned(matrix_of<2>(next.map_slip), previous_T_current.yaw_rad));
   sum.fitness = std::min(fitness, next.fitness);
   sum.score = std::min(score, next.score);
   sum.second_peak_ratio = std::max(second_peak_ratio, next.second_peak_ratio);

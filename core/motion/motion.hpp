@@ -52,6 +52,10 @@ struct Motion {
   MatrixRows<5> error_transition = identity_rows<5>();
   MatrixRows<5> error_noise{};
 
+  /// What the local map has slipped by where only newer scans hold it, which no later match tells: covariance over
+  /// (x_m, y_m), previous scan's axes. On top of `error`, which is against the local map. Multiples of 2^-40 m^2.
+  MatrixRows<2> map_slip{};
+
   double fitness = 0.0;  ///< figures of the match: MatchResult's
   double score = 0.0;
   double second_peak_ratio = 0.0;  ///< the second best answer's score over the best one's; 0: none
@@ -78,8 +82,13 @@ struct Motion {
 
   [[nodiscard]] ErrorProcess error() const;
   void set_error(const ErrorProcess& error);
-  /// Of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes.
+  /// Of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes; as `error` has it.
   [[nodiscard]] Eigen::Matrix3d covariance() const;
+  /// The same with what the local map has slipped by, which comes out of it again bit for bit.
+  [[nodiscard]] Eigen::Matrix3d covariance_with_slip() const;
+  void set_slip_of(const Eigen::Matrix3d& covariance_with_slip);
+  /// Rounded as map_slip is; none where it is no covariance.
+  void set_map_slip(const Eigen::Matrix2d& slip);
 
   /// Share of previous_T_current in the weight of all hypotheses.
   [[nodiscard]] double weight() const;
@@ -92,12 +101,11 @@ struct Motion {
 
   /// This motion followed by the next one, which begins where this one ends.
   ///
-  /// Poses, error processes, durations (as independent ones), evaluations and steps add up. It is matched and converged
-  /// if both are; escalated, cut short, jolted or rejected if one is. Of figures the worse one stands: the least
-  /// fitness, score and information, the largest second peak. Probabilities multiply.
-  /// Hypotheses: each of this with each of the next, weights multiplied. From the heaviest on, one within 0.1 m and
-  /// 2 deg of a heavier one gives that its weight; four others at most are kept.
-  /// Real time: no allocation.
+  /// Poses, error processes, slips, durations (as independent ones), evaluations and steps add up. It is matched and
+  /// converged if both are; escalated, cut short, jolted or rejected if one is. Of figures the worse one stands: the
+  /// least fitness, score and information, the largest second peak. Probabilities multiply. Hypotheses: each of this
+  /// with each of the next, weights multiplied. From the heaviest on, one within 0.1 m and 2 deg of a heavier one gives
+  /// that its weight; four others at most are kept. Real time: no allocation.
   [[nodiscard]] Motion then(const Motion& next) const;
 };
 

@@ -78,6 +78,7 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   if (match.ok() && (!motion.has(kJolted) ||
                      are_within(key_T_scan, match.value().reference_T_scan, reach.distance_m, reach.rotation_rad))) {
     estimate = corrected(prediction, odom_T_key, match.value());
+    motion.set_map_slip(turned(odom_slip(estimate, odom_T_key, match.value()), -odom_T_scan_.yaw_rad));
   }
   estimate.error.initial = covariance_;
   motion.odom_T_current = estimate.odom_T_scan;
@@ -89,6 +90,7 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   if (begins_anew(motion)) {
     key_count_ = 0;
     map_.reference.clear();
+    slip_.reset();
     add_key(scan, odom_T_scan_);
   } else if (!building_ && (map_.reference.empty() || key_T_now.distance_m({}) > params_.key_distance_m ||
                             std::abs(wrap_angle(key_T_now.yaw_rad)) > params_.key_rotation_rad)) {
@@ -250,6 +252,12 @@ LaserOdometry::Estimate LaserOdometry::corrected(const Estimate& prediction, con
   return out;
 }
 
+Eigen::Matrix2d LaserOdometry::odom_slip(const Estimate& estimate, const Pose2& odom_T_key, const MatchResult& match) {
+  const Eigen::Matrix2d held = match.covariance.topLeftCorner<2, 2>();
+  const Eigen::Matrix2d error = estimate.error.after(covariance_).topLeftCorner<2, 2>();
+  return slip_.match(turned(held, odom_T_key.yaw_rad), turned(error, estimate.odom_T_scan.yaw_rad));
+}
+
 void LaserOdometry::add_key(const ScanFrame& scan, const Pose2& odom_T_scan) {
   const int capacity = params_.key_scans;
   newest_key_ = (newest_key_ + 1) % capacity;
@@ -263,6 +271,7 @@ void LaserOdometry::add_key(const ScanFrame& scan, const Pose2& odom_T_scan) {
     placed_[static_cast<std::size_t>(age)] = {&key.scan, key_T_odom * key.odom_T_scan};
   }
   next_map_.odom_T_key = odom_T_scan;
+  slip_.begin_map();
   next_map_.reference.begin_rebuild({placed_.data(), static_cast<std::size_t>(key_count_)});
   building_ = true;
 }
@@ -271,6 +280,7 @@ void LaserOdometry::build_map(const Deadline& deadline) {
   for (int slices = 0; building_ && (slices < kSlices_sure || !deadline.expired()); ++slices) {
     if (next_map_.reference.rebuild_slice()) {
       std::swap(map_, next_map_);
+      slip_.take_map();
       building_ = false;
     }
   }

@@ -12,6 +12,7 @@
 #include "core/match/ndt_matcher.hpp"
 #include "core/motion/motion.hpp"
 #include "core/motion/robot_limits.hpp"
+#include "core/odometry/map_slip.hpp"
 #include "core/scan/scan_frame.hpp"
 
 namespace odoless {
@@ -110,6 +111,8 @@ class LaserOdometry {
   void remember(const ScanFrame& scan, const Motion& motion, double period_s);
   /// How credible the match is, its other answers, and what is usual.
   void judge(const Result<MatchResult>& match, const Pose2& odom_T_key, double period_s, Motion& motion);
+  /// What the local map has slipped by, in the axes of odom; of a match that told the pose.
+  [[nodiscard]] Eigen::Matrix2d odom_slip(const Estimate& estimate, const Pose2& odom_T_key, const MatchResult& match);
   /// Whether the local map shall begin anew with this scan.
   [[nodiscard]] bool begins_anew(const Motion& motion);
   /// The speed may be any.
@@ -123,6 +126,7 @@ class LaserOdometry {
   NdtMatcher matcher_;
   LocalMap map_;
   LocalMap next_map_;  ///< being built
+  MapSlip slip_;
   std::vector<KeyScan> keys_;
   std::vector<PlacedScan> placed_;
   int key_count_ = 0;

@@ -51,7 +51,8 @@ bool is_sane_geometry(float start_angle_rad, float angle_step_rad, std::int32_t 
 }
 
 // Products of small numbers may well be denormal here.
-bool is_sane_matrix(const MatrixRows<5>& matrix, double max) {
+template <std::size_t kCount>
+bool is_sane_matrix(const std::array<double, kCount>& matrix, double max) {
   return std::all_of(matrix.begin(), matrix.end(), [max](double value) { return std::abs(value) <= max; });
 }
 
@@ -59,7 +60,7 @@ bool is_sane_error(const Motion& motion) {
   constexpr double kMax = 1e6;
   constexpr double kInitialMax = 1e12;  // a laser that is blind for an hour may be anywhere
   bool is_sane = is_sane_matrix(motion.error_initial, kInitialMax) && is_sane_matrix(motion.error_transition, kMax) &&
-                 is_sane_matrix(motion.error_noise, kMax);
+                 is_sane_matrix(motion.error_noise, kMax) && is_sane_matrix(motion.map_slip, kMax);
   for (std::size_t i = 0; i < motion.error_noise.size(); i += ErrorProcess::kSize + 1) {
     is_sane = is_sane && motion.error_initial[i] >= 0.0 && motion.error_noise[i] >= 0.0;
   }
@@ -91,10 +92,12 @@ void read_motion(WireReader& reader, Motion& motion) {
   motion.duration_sd_s = reader.real64();
   motion.previous_T_current = read_pose(reader);
   motion.odom_T_current = read_pose(reader);
-  reader.skip(sizeof(MatrixRows<3>));  // the covariance
+  MatrixRows<3> covariance{};
+  reader.reals(covariance);
   reader.reals(motion.error_initial);
   reader.reals(motion.error_transition);
   reader.reals(motion.error_noise);
+  motion.set_slip_of(matrix_of<3>(covariance));
   motion.fitness = reader.real64();
   motion.score = reader.real64();
   motion.second_peak_ratio = reader.real64();

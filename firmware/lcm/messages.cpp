@@ -125,7 +125,7 @@ void to_message(const Motion& motion, motion_t& message) {
   message.duration_sd = motion.duration_sd_s;
   to_array(motion.previous_T_current, message.step);
   to_array(motion.odom_T_current, message.pose);
-  to_array(rows_of<3>(motion.covariance()), message.covariance);
+  to_array(rows_of<3>(motion.covariance_with_slip()), message.covariance);
   to_array(motion.error_initial, message.error_initial);
   to_array(motion.error_transition, message.error_transition);
   to_array(motion.error_noise, message.error_noise);

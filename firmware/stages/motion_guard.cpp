@@ -74,6 +74,7 @@ bool MotionGuard::is_possible(const Motion& motion) const {
   };
   return is_within_reach(motion.previous_T_current, time_s, kStepSlack_m) && is_covariance<5>(motion.error_initial) &&
          is_covariance<5>(motion.error_noise) && is_certain_enough(motion.error_noise, 5) &&
+         is_covariance<2>(motion.map_slip) && is_certain_enough(motion.map_slip, 2) &&
          std::all_of(motion.error_transition.begin(), motion.error_transition.end(),
                      [time_s](double gain) { return std::abs(gain) <= kGainMax * (1.0 + time_s); }) &&
          std::all_of(motion.others().begin(), motion.others().end(), [&](const MotionHypothesis& other) {

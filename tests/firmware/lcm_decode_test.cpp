@@ -72,6 +72,7 @@ Motion arbitrary_motion() {
   motion.error_initial = arbitrary_matrix();
   motion.error_transition = arbitrary_matrix();
   motion.error_noise = arbitrary_matrix();
+  motion.set_map_slip(Eigen::Vector2d(std::abs(arbitrary_real(1.0)), std::abs(arbitrary_real(1.0))).asDiagonal());
   motion.fitness = std::abs(arbitrary_real(1.0));
   motion.score = arbitrary_real(1.0);
   motion.second_peak_ratio = std::abs(arbitrary_real(1.0));
@@ -116,6 +117,7 @@ TEST(DecodeMotion, GivesEveryBitOfEveryFieldBack) {
       if (changed.alternative_count != motion.alternative_count) {
         continue;  // those beyond the count are not sent
       }
+      changed.set_map_slip(matrix_of<2>(changed.map_slip));  // no other slips are there
       const Result<Motion> decoded = decode_motion(encoded(message_of(changed)));
       if (decoded.ok()) {
         ASSERT_TRUE(is_same(decoded.value(), changed)) << "byte " << byte << ", bit " << bit;

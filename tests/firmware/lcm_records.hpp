@@ -67,6 +67,7 @@ inline Motion example_motion() {
     motion.error_transition[i] = 0.125 * static_cast<double>(i + 1);
     motion.error_noise[i] = 1e-7 * static_cast<double>(i + 1);
   }
+  motion.map_slip = {0.0625, 0.015625, 0.015625, 0.03125};
   motion.fitness = 0.8;
   motion.score = 0.7;
   motion.second_peak_ratio = 0.4;

@@ -117,6 +117,9 @@ TEST_F(MotionGuardTest, RefusesCovariancesThatAreNoneOrTooWide) {
   expect_refused([](Motion& motion) { motion.error_noise[1] = 1e-4; });                           // not symmetric
   expect_refused([](Motion& motion) { motion.error_noise[1] = motion.error_noise[5] = 2e-4; });   // not positive
   expect_refused([](Motion& motion) { motion.error_noise[3] = motion.error_noise[15] = 1e-3; });  // of a sure speed
+  expect_refused([](Motion& motion) { motion.map_slip[0] = 1e6; });
+  expect_refused([](Motion& motion) { motion.map_slip[3] = -1e-4; });
+  expect_refused([](Motion& motion) { motion.map_slip = {0.01, 0.02, 0.02, 0.01}; });  // not positive
   expect_refused([](Motion& motion) { motion.error_initial[2] = motion.error_initial[10] = 1.0; });
   expect_refused([](Motion& motion) { motion.error_noise[0] = std::numeric_limits<double>::quiet_NaN(); });
   expect_refused([](Motion& motion) { motion.error_transition[7] = 1e6; });

@@ -83,6 +83,27 @@ TEST_F(FilterThatJumps, MayHaveDriftedTheMoreTheFartherItIsFromALoopClosure) {
   EXPECT_LT(drift_m2[7], 1.5 * drift_m2[3]) << "a second round is held by the first one";
 }
 
+// Not only when the submap that it is in has ended.
+TEST_F(FilterThatJumps, KnowsASlipOfTheLocalMapWithTheNextKeyframe) {
+  const auto drift_m2 = [](Drive& drive) {
+    FilterInWorld where(GraphParams{});
+    where.update(drive.graph);
+    static_cast<void>(where.follow({}, drive.odom.back().map_T_scan));
+    return where.drift().topLeftCorner<2, 2>().trace();
+  };
+  for (const double metres : {1.0, 9.0}) {  // without any submap, and behind one
+    Drive drive(ring(18.0, 10.0), {});
+    drive.drive({kRound[0], {kRound[0].x_m + metres, kRound[0].y_m}});
+    const double before_m2 = drift_m2(drive);
+    drive.map_slip_m2 = 0.09;
+    drive.drive({{kRound[0].x_m + metres, kRound[0].y_m}, {kRound[0].x_m + metres + 1.0, kRound[0].y_m}});
+    EXPECT_NEAR(drift_m2(drive) - before_m2, 0.09, 0.01) << metres;
+    drive.drive({{kRound[0].x_m + metres + 1.0, kRound[0].y_m}, {kRound[0].x_m + metres + 8.0, kRound[0].y_m}});
+    const double slip_m2 = metres > 5.0 ? 0.09 : 0.0;  // the map begins where the first submap has its origin
+    EXPECT_NEAR(drift_m2(drive) - before_m2, slip_m2, 0.02) << metres << ": and when that submap has ended";
+  }
+}
+
 TEST_F(FilterThatJumps, HasAPlaceForEachPoseOfTheWorld) {
   EXPECT_LT(where_.to_local(odom_T_scan()).distance_m(odom_T_scan()), 0.05);
 }

@@ -131,6 +131,7 @@ class Drive {
   std::vector<Pose2> poses;         ///< true
   std::vector<StampedPose> odom;    ///< odom_T_scan
   double yaw_variance_rad2 = 1e-5;  ///< of a motion, as the odometry claims
+  double map_slip_m2 = 0.0;         ///< along the robot's heading, with the next motion
   std::optional<Pose2> filter;      ///< the particle filter is off by this; none: it has what the odometry has
 
   /// Elsewhere from one scan to the next, which the odometry knows nothing of.
@@ -150,6 +151,7 @@ class Drive {
       const Pose2 drifted = way * Pose2{length_m * drift_per_m_.x_m, 0.0, length_m * drift_per_m_.yaw_rad};
       motion = Motion::between(stamp_ns - kPeriod_ns, stamp_ns, drifted);
       motion.set_error(ErrorProcess::independent(drifted, Eigen::Vector3d(1e-4, 1e-4, yaw_variance_rad2).asDiagonal()));
+      motion.set_map_slip(Eigen::Vector2d(std::exchange(map_slip_m2, 0.0), 0.0).asDiagonal());
       motion.probability = std::exchange(was_carried_, false) ? 0.0 : motion.probability;
       motion.odom_T_current = odom.back().map_T_scan * drifted;
     }

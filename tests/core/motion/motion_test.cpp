@@ -89,6 +89,39 @@ void expect_same(const Motion& a, const Motion& b) {
 
 bool has_same_bytes(const Motion& a, const Motion& b) { return std::memcmp(&a, &b, sizeof(Motion)) == 0; }
 
+TEST(Motion, AddsUpSlipsInTheAxesThatItBeginsWith) {
+  Motion turn = Motion::between(0, 1, {1.0, 0.0, std::numbers::pi / 2.0});
+  Motion slip = Motion::between(1, 2, {1.0, 0.0, 0.0});
+  slip.set_map_slip(Eigen::Vector2d(0.25, 0.0).asDiagonal());
+  turn.set_map_slip(Eigen::Vector2d(0.0625, 0.0).asDiagonal());
+  const Eigen::Matrix2d sum = matrix_of<2>(turn.then(slip).map_slip);
+  EXPECT_NEAR(sum(0, 0), 0.0625, 1e-11);
+  EXPECT_NEAR(sum(1, 1), 0.25, 1e-11);
+  EXPECT_NEAR(sum(0, 1), 0.0, 1e-11);
+}
+
+// So it goes from one host to another.
+TEST(Motion, ItsSlipComesOutOfItsCovarianceBitForBit) {
+  Rng rng(3);
+  for (int i = 0; i < 1000; ++i) {
+    Motion motion = random_motion(rng);
+    const Eigen::Vector2d along(rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0));
+    motion.set_map_slip(i % 2 == 0 ? Eigen::Matrix2d(along * along.transpose()) : Eigen::Matrix2d::Zero());
+    Motion other = motion;
+    other.map_slip = {1.0, 2.0, 3.0, 4.0};
+    other.set_slip_of(motion.covariance_with_slip());
+    EXPECT_TRUE(has_same_bytes(other, motion)) << i;
+  }
+}
+
+TEST(Motion, HasNoSlipThatIsNoCovariance) {
+  Motion motion = Motion::between(0, 1, {});
+  for (const double bad : {-0.1, std::numeric_limits<double>::quiet_NaN()}) {
+    motion.set_map_slip(Eigen::Vector2d(0.25, bad).asDiagonal());
+    EXPECT_EQ(motion.map_slip, (MatrixRows<2>{})) << bad;
+  }
+}
+
 TEST(Motion, ComposesToTheSameInWhateverOrder) {
   Rng rng(1);
   for (int i = 0; i < 200; ++i) {

@@ -253,6 +253,37 @@ TEST(LaserOdometry, ErrorsInACorridorAreWithinTwoStatedDeviations) {
   }
 }
 
+// Between its ends nothing tells how far the robot goes, and what it sees of the second end does not tell it later.
+TEST(LaserOdometry, SaysWhatItsMapMayHaveSlippedByWhereACorridorEnds) {
+  SimulatedScene closed;
+  closed.add_box({3.0, 0.0, 0.0}, 10.0, 2.0);
+  const double heading_rad = 0.5;  // of the robot: it drives sideways
+  OdometryDrive drive(closed, {0.0, 0.1, heading_rad}, {.range_max_m = 4.0});
+  const Pose2 step{0.05 * std::cos(heading_rad), -0.05 * std::sin(heading_rad), 0.0};
+  Motion before = drive.last();
+  while (drive.map_T_scan().x_m < 3.5) {
+    before = before.then(drive.step(step));
+  }
+  Motion at_end = drive.step(step);
+  while (drive.map_T_scan().x_m < 6.0) {
+    at_end = at_end.then(drive.step(step));
+  }
+  const Eigen::Vector2d along(std::cos(heading_rad), -std::sin(heading_rad));
+  EXPECT_LT(matrix_of<2>(before.map_slip).trace(), 0.05 * 0.05);
+  const Eigen::Matrix2d slip = matrix_of<2>(at_end.map_slip);
+  EXPECT_GT(along.dot(slip * along), 0.2 * 0.2);
+  EXPECT_LT(slip.trace() - along.dot(slip * along), 0.05 * 0.05) << "not across";
+}
+
+TEST(LaserOdometry, ItsMapSlipsInNoRoom) {
+  OdometryDrive drive(cluttered_room(), {-0.8, -1.2, 0.0});
+  Motion all = drive.last();
+  for (int i = 0; i < 100; ++i) {
+    all = all.then(drive.step(motion_of_square(i)));
+  }
+  EXPECT_LT(matrix_of<2>(all.map_slip).trace(), 0.05 * 0.05);
+}
+
 // A turn ends just where others hide most of the room: what little is left to match tells more of it than the speed.
 TEST(LaserOdometry, AJoltedScanTellsMoreThanTheSpeedWhereATurnMayHaveEnded) {
   OdometryDrive drive(cluttered_room(), {-0.8, -1.2, 0.0});
