@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/geometry/pose2_covariance.hpp"
 #include "core/slam/lslam.hpp"
@@ -10,12 +11,10 @@
 namespace odoless {
 namespace {
 
-constexpr double kJump_m = 0.5;  // of the filter's pose against the odometry, from one scan to the next
-constexpr double kJump_rad = 0.1;
 constexpr double kAgreement_m = 0.25;  // of graph and filter: a degree is five metres at the far end of a building
 constexpr double kAgreement_rad = 0.02;
 constexpr double kReach_m = 6.0;    // from a submap's origin
-constexpr std::size_t kNewest = 4;  // submaps that the filter may have had elsewhere before the jump
+constexpr std::size_t kNewest = 4;  // submaps that the filter may have had elsewhere before it was put there
 
 /// Whether a loop closure holds a submap from there on by one from before.
 bool is_found_since(const PoseGraph& graph, int submap) {
@@ -71,11 +70,8 @@ void FilterInWorld::forget(int submaps) {
   claim_ = claim_ && *claim_ >= count ? std::optional(*claim_ - count) : std::nullopt;
 }
 
-Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan) {
-  const Pose2 local_T_scan = local_T_odom * odom_T_scan;
-  const bool has_jumped =
-      !are_within(local_T_odom_.value_or(local_T_odom) * odom_T_scan, local_T_scan, kJump_m, kJump_rad);
-  local_T_odom_ = local_T_odom;
+Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan, int placements) {
+  const bool is_placed = std::exchange(placements_, placements).value_or(placements) != placements;
   drift_.setZero();
   if (guess_) {
     return *guess_;
@@ -85,8 +81,8 @@ Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan)
     drift_.topLeftCorner<2, 2>() = turned(odom_slip_, map_T_odom.yaw_rad);
     return map_T_odom;
   }
-  if (has_jumped) {
-    claim_ = nearest(local_T_scan).value_or(claim_.value_or(places_.size() - 1));  // in the unknown: by the last known
+  if (is_placed) {  // in the unknown: by the last known
+    claim_ = nearest(local_T_odom * odom_T_scan).value_or(claim_.value_or(places_.size() - 1));
     claimed_at_ = static_cast<int>(first_ + places_.size());
   }
   const Pose2 newest = graph_map_T_odom_.value_or(places_.back().map_T_local() * local_T_odom);

@@ -10,24 +10,26 @@
 namespace odoless {
 
 /// Where the particle filter's own map lies in the world, and with it the published map_T_odom: the graph's, which has
-/// closed the loops; but where the filter's pose has jumped (the robot was found, or told where it is) the filter's, by
-/// the submap that the robot is at in the filter's map, until the graph has it there too, or has closed a loop from
-/// beyond the jump. How: core/graph/README.md.
+/// closed the loops; but where the robot was put elsewhere than the motions lead (it was found, or told where it is, or
+/// a step may have been wrong and the filter took another one) the filter's, by the submap that the robot is at in the
+/// filter's map, until the graph has it there too, or has closed a loop from beyond that. Where the filter jumps over
+/// motions that were right, the graph's stays. How: core/graph/README.md.
 ///
 /// And how sure that place is: what the odometry may have drifted since the map's beginning, or since a world that was
 /// there before, along the loop closures that hold. Over a motion that is not credible the filter is taken at its word,
 /// which says itself how probable it is.
 ///
 /// Frames: map, odom; local, which is the filter's map. Memory is fixed at construction. Thread: owned by one thread.
-/// `follow` takes constant time but at a jump, when it is linear in the submaps.
+/// `follow` takes constant time but where the robot was put elsewhere, when it is linear in the submaps.
 class FilterInWorld {
  public:
   explicit FilterInWorld(const GraphParams& params);
 
   /// Whenever the graph may have changed.
   void update(const SubmapGraph& graph);
-  /// Every scan, as the filter has it. @return  map_T_odom.
-  Pose2 follow(const Pose2& local_T_odom, const Pose2& odom_T_scan);
+  /// Every scan, as the filter has it. @param placements  How often the robot was put elsewhere than the motions lead.
+  /// @return  map_T_odom.
+  Pose2 follow(const Pose2& local_T_odom, const Pose2& odom_T_scan, int placements);
   /// Of that scan's pose: what the drift may be, over (x_m, y_m, yaw_rad) in the map's axes; what the filter itself is
   /// unsure of comes on top.
   [[nodiscard]] const Eigen::Matrix3d& drift() const { return drift_; }
@@ -62,9 +64,9 @@ class FilterInWorld {
   std::optional<Pose2> guess_;             ///< map_T_odom while this run is not joined to the world
   std::optional<Pose2> begin_;             ///< map_T_odom while there is no submap
   std::optional<Pose2> graph_map_T_odom_;  ///< none behind a motion that is not credible
-  std::optional<Pose2> local_T_odom_;      ///< of the scan before
-  std::optional<std::size_t> claim_;       ///< since a jump: the submap by which the filter has the robot in the world
-  int claimed_at_ = 0;                     ///< the submap that was being made then
+  std::optional<int> placements_;          ///< with the scan before
+  std::optional<std::size_t> claim_;  ///< since the last: the submap by which the filter has the robot in the world
+  int claimed_at_ = 0;                ///< the submap that was being made then
 };
 
 }  // namespace odoless

@@ -59,6 +59,8 @@ class Recovery {
   /// Where with the last scan the robot was found: the time since its pose was last sure, of which nobody knows where
   /// it was. Else 0.
   [[nodiscard]] double unknown_s() const { return unknown_s_; }
+  /// Whether a step of about the last minute may have been wrong, so that the robot may be where the steps do not lead.
+  [[nodiscard]] bool may_be_elsewhere() const;
   /// Of the last scan; 1 before the first.
   [[nodiscard]] double fit() const { return last_fit_.mean; }
   [[nodiscard]] std::size_t memory_bytes() const {
@@ -73,7 +75,6 @@ class Recovery {
   /// In the best particle's map; in that which it fits best where it does not fit.
   [[nodiscard]] Fit fit_of(Lslam& low, const Pose2& update_T_scan) const;
   [[nodiscard]] bool may_be_mapped() const;
-  [[nodiscard]] bool may_be_elsewhere() const;
   void lose();
   [[nodiscard]] Advice look_for_it(Slam& slam, const TrackedScan& tracked);
   [[nodiscard]] bool is_suspect(const Motion& motion) const;

@@ -65,6 +65,7 @@ struct PoseRecord {
   std::int32_t updated = 0;     ///< 1: this scan was an update
   LaserPlace laser{};           ///< on the robot
   std::int32_t map_number = 0;  ///< grows when the map is begun anew
+  std::int32_t placements = 0;  ///< FilterStep's
 };
 
 /// A measured angle of the laser's tilt axis.

@@ -9,6 +9,9 @@
 namespace odoless {
 namespace {
 
+constexpr double kJump_m = 0.5;  // from where the motion leads
+constexpr double kJump_rad = 0.1;
+
 double within_ok(const Motion& motion) {
   return probability_within(motion.covariance(), PoseEstimate::kOk_m, PoseEstimate::kOk_rad);
 }
@@ -77,7 +80,11 @@ void FilterStage::update(const ScanFrame& scan, const Deadline& deadline, Filter
   if (!gate_.widen_by_match) {
     since_update_.set_error({});
   }
+  const Pose2 expected = filter_.estimate().map_T_scan * since_update_.previous_T_current;
   out.report = filter_.update(since_update_, scan, deadline);
+  if (recovery_.may_be_elsewhere() && !are_within(expected, filter_.estimate().map_T_scan, kJump_m, kJump_rad)) {
+    ++placements_;
+  }
   recovery_.note_update(within_ok(since_update_));
   out.updated = true;
   started_ = true;
@@ -85,9 +92,13 @@ void FilterStage::update(const ScanFrame& scan, const Deadline& deadline, Filter
   since_update_ = Motion{};
 }
 
-void FilterStage::restart(std::int64_t stamp_ns) { since_update_ = Motion::between(update_stamp_ns_, stamp_ns, {}); }
+void FilterStage::restart(std::int64_t stamp_ns) {
+  since_update_ = Motion::between(update_stamp_ns_, stamp_ns, {});
+  ++placements_;
+}
 
 FilterStep FilterStage::placed(FilterStep out, const Motion& motion) const {
+  out.placements = placements_;
   out.update_stamp_ns = update_stamp_ns_;
   out.update_T_scan = since_update_.previous_T_current;
   const PoseEstimate estimate = filter_.estimate();

@@ -21,8 +21,11 @@ struct FilterStep {
   Tracking tracking = Tracking::kSure;
   double probability = 1.0;  ///< that map_T_scan is right within 0.5 m and 5 deg
   bool found = false;        ///< a lost robot, with this scan
-  double unknown_s = 0.0;    ///< Recovery's, with this scan: the motion since then is not credible, whatever it says
-  double fit = 1.0;          ///< ScanFit of the scan; 1 before the first update
+  /// How often, until now, the robot was put elsewhere than the motions lead: it was found, somebody said where it is,
+  /// or other particles survived after a step that may have been wrong.
+  int placements = 0;
+  double unknown_s = 0.0;  ///< Recovery's, with this scan: the motion since then is not credible, whatever it says
+  double fit = 1.0;        ///< ScanFit of the scan; 1 before the first update
   /// Beside a pose graph: what the map may have drifted there (FilterInWorld::drift), and that OK ends by that alone.
   Eigen::Matrix3d drift = Eigen::Matrix3d::Zero();
   bool has_drifted = false;
@@ -69,7 +72,7 @@ class FilterStage {
   [[nodiscard]] bool gate_is_open() const;
   void begin();
   void compose(const Motion& motion);
-  /// The filter's particles are put where the scan at this stamp was.
+  /// The filter's particles have been put where the scan at this stamp was.
   void restart(std::int64_t stamp_ns);
   void update(const ScanFrame& scan, const Deadline& deadline, FilterStep& out);
   /// What the filter thinks of its pose, now that it sees this scan.
@@ -83,6 +86,7 @@ class FilterStage {
   Motion since_update_{};  ///< to the last motion's end
   Motion since_scan_{};
   std::int64_t update_stamp_ns_ = 0;
+  int placements_ = 0;
   bool begun_ = false;  ///< the first scan, or a command, has said where the map begins
   bool started_ = false;
   bool paused_ = false;

@@ -36,6 +36,7 @@ PoseRecord pose_record_of(const FilterStep& step, const PoseEstimate& estimate, 
   record.log_likelihood_per_beam = step.report.log_likelihood_per_beam;
   record.particles = stage.filter().particles();
   record.updated = step.updated ? 1 : 0;
+  record.placements = step.placements;
   return record;
 }
 

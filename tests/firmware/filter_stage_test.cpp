@@ -51,6 +51,49 @@ TEST(FilterStage, TakesTheFirstScanAfterAResetFromWhereItWasTold) {
   EXPECT_LT(stage.process(room.scan(), first_motion({0.3, 0.0, 0.0})).map_T_scan.distance_m(start), 1e-9);
 }
 
+/// What a filter makes of a motion with a wrong turn, while the right one is its alternative.
+FilterStep step_after_wrong_turn(double probability) {
+  RobotParams params;
+  params.slam.low.particles = 40;
+  FilterStage stage(params, 1);
+  SimulatedRoom room(4, 120);
+  FilterStep step;
+  Pose2 odom_T_scan;
+  for (int i = 0; i < 60; ++i) {
+    room.step();
+    Motion motion = room.motion();
+    motion.set_error(
+        ErrorProcess::independent(motion.previous_T_current, Eigen::Vector3d(1e-5, 1e-5, 1e-6).asDiagonal()));
+    if (i == 40) {
+      motion.alternatives[0] = {motion.previous_T_current, 0.0, rows_of<3>(motion.covariance())};
+      motion.alternative_count = 1;
+      motion.previous_T_current = motion.previous_T_current * Pose2{0.0, 0.0, 0.6};
+      motion.probability = probability;
+    }
+    odom_T_scan = odom_T_scan * motion.previous_T_current;
+    motion.odom_T_current = odom_T_scan;
+    step = stage.process(room.scan(), motion);
+    EXPECT_TRUE(i >= 40 || step.placements == 0) << i;
+  }
+  EXPECT_LT(step.map_T_scan.distance_m(room.map_T_scan()), 0.3);
+  EXPECT_NEAR(wrap_angle(step.map_T_scan.yaw_rad - room.map_T_scan().yaw_rad), 0.0, 0.05) << "the filter knows better";
+  return step;
+}
+
+TEST(FilterStage, SaysThatTheRobotIsElsewhereWhereAStepMayHaveBeenWrong) {
+  EXPECT_EQ(step_after_wrong_turn(0.9).placements, 1);
+  EXPECT_EQ(step_after_wrong_turn(1.0).placements, 0) << "the filter turned, not the robot";
+}
+
+TEST(FilterStage, SaysThatTheRobotIsElsewhereWhereItWasTold) {
+  FilterStage stage(small_robot(), 1);
+  SimulatedRoom room(4);
+  room.step();
+  EXPECT_EQ(stage.process(room.scan(), first_motion({})).placements, 0);
+  stage.set_pose({1.0, 0.0, 0.0});
+  EXPECT_EQ(stage.process(Motion{}).placements, 1);
+}
+
 /// Steps of a stage that gets the motions of lost scans one by one, or added up as a full queue does, of which some are
 /// `flags`.
 std::vector<FilterStep> steps_with_lost_scans(bool added_up, MotionFlag flag, bool value) {
