@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -20,6 +21,10 @@
 #include "core/graph/trajectory_correction.hpp"
 
 namespace odoless {
+
+/// Share of the fullest pool that a world has, of what is not left for a path in it: submaps, constraints, keyframes.
+/// From 1 on it is full.
+[[nodiscard]] double share_of_pools(const SubmapWorld& world, const GraphParams& params);
 
 /// What a run does with its world: it grows and is corrected, or it stays as it is.
 enum class WorldUse : std::uint8_t { kContinue, kLocalise };
@@ -132,8 +137,7 @@ class SubmapGraph {
     return {store_, graph_, submaps_, is_in_world() ? std::optional(map_T_odom()) : std::nullopt, anchor_};
   }
   [[nodiscard]] const Counts& counts() const { return counts_; }
-  /// Share of the fullest pool that the world has, of what is not left for a path in it: submaps, constraints,
-  /// keyframes.
+  /// share_of_pools, 1 at most.
   [[nodiscard]] double used() const { return is_localising() ? world_used_ : share_used(); }
   [[nodiscard]] bool is_full() const { return used() >= 1.0; }
   /// Where each of these poses was, as known now: between two submaps' origins a correction goes in with the travel.
@@ -151,7 +155,6 @@ class SubmapGraph {
   static constexpr double kKnown_m = 3.0;
   static constexpr std::size_t kConfirmed_submaps = 2;  ///< with loop closures, that confirm where the path was found
   static constexpr std::size_t kCorrections_max = 8;
-  static constexpr int kPath_submaps = 48;  ///< for which a world leaves room, or a quarter where a pool is small
 
   [[nodiscard]] bool has_work() const { return phase_ != Phase::kIdle || (localiser_ && localiser_->has_work()); }
   [[nodiscard]] int own_submaps() const { return static_cast<int>(submaps_.size() - first_submap_); }
@@ -159,7 +162,7 @@ class SubmapGraph {
   [[nodiscard]] std::size_t path_begin() const { return first_submap_ - (is_chained_ ? 1U : 0U); }
   /// All that there is now is the world.
   void take_as_world(WorldUse use);
-  [[nodiscard]] double share_used() const;
+  [[nodiscard]] double share_used() const { return std::min(share_of_pools(world(), params_), 1.0); }
   /// Whether there is hardly room for the next submap of a path.
   [[nodiscard]] bool is_short_of_room() const;
   void localise();

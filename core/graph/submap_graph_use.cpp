@@ -83,15 +83,15 @@ void SubmapGraph::go_over(WorldUse use) {
   }
 }
 
-double SubmapGraph::share_used() const {
+double share_of_pools(const SubmapWorld& world, const GraphParams& params) {
+  constexpr int kPath_submaps = 48;  // for which a world leaves room, or a quarter where a pool is small
   const auto share = [](std::size_t size, int most, int of_submap) {
     return static_cast<double>(size) / (most - std::min(kPath_submaps * of_submap, most / 4));
   };
-  const auto keyframes = static_cast<std::size_t>(store_.size());
-  const double fullest = std::max({share(submaps_.size(), params_.submaps_max, 1),
-                                   share(graph_.constraints().size(), params_.constraints_max, params_.candidates + 1),
-                                   share(keyframes, params_.keyframes_max, params_.submap_keyframes)});
-  return std::min(fullest, 1.0);
+  const auto keyframes = static_cast<std::size_t>(world.store.size());
+  return std::max({share(world.submaps.size(), params.submaps_max, 1),
+                   share(world.graph.constraints().size(), params.constraints_max, params.candidates + 1),
+                   share(keyframes, params.keyframes_max, params.submap_keyframes)});
 }
 
 bool SubmapGraph::is_short_of_room() const {

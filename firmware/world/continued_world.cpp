@@ -5,9 +5,16 @@
 #include <cerrno>
 #include <utility>
 
+#include "firmware/world/thinned_world.hpp"
 #include "firmware/world/world_reader.hpp"
 
 namespace odoless {
+namespace {
+
+constexpr double kCrowded = 0.75;    // share of the pools
+constexpr double kWorthwhile = 0.1;  // of the submaps
+
+}  // namespace
 
 FileFailure ContinuedWorld::read(WorldFile& file, const RobotParams& params, WorldUse use) {
   WorldReading reading = read_world(file, params);
@@ -26,6 +33,20 @@ FileFailure ContinuedWorld::read(WorldFile& file, const RobotParams& params, Wor
     stored_ = std::move(reading.world);
   }
   return failed;
+}
+
+int ContinuedWorld::make_room(WorldFile& file, const GraphParams& params) {
+  if (!stored_ || share_of_pools(stored_->world(), params) < kCrowded) {
+    return 0;
+  }
+  std::unique_ptr<StoredWorld> thin = thinned(*stored_);
+  const int left_out = thin ? stored_->graph.size() - thin->graph.size() : 0;
+  if (left_out == 0 || left_out < kWorthwhile * stored_->graph.size() || file.renew(*thin).any()) {
+    return 0;
+  }
+  stored_ = std::move(thin);
+  mirror_ = WorldMirror(stored_->world());
+  return left_out;
 }
 
 std::string no_room_sentence(const StoredWorld& world, const GraphParams& params) {

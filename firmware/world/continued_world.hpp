@@ -23,6 +23,11 @@ class ContinuedWorld {
   /// Errors: EBADMSG where the file cannot be gone on with.
   FileFailure read(WorldFile& file, const RobotParams& params, WorldUse use);
 
+  /// Of a world that is three quarters full, leaves out what newer visits have made needless (thinned_world.hpp), where
+  /// that is a tenth of it: here and in the file, which is open to write. What cannot be written stays as it is.
+  /// @return  Submaps that were left out.
+  int make_room(WorldFile& file, const GraphParams& params);
+
   /// Nothing: the file has no submap yet, or it was forgotten.
   [[nodiscard]] const StoredWorld* stored() const { return stored_.get(); }
   /// It was copied to where it is gone on with.

@@ -211,29 +211,60 @@ FileFailure WorldFile::transact(const std::function<bool()>& change) {
 }
 
 FileFailure WorldFile::renew_graph(const StoredWorld& world) {
-  const auto renew = [&] {
-    if (!Statement(database_, "DELETE FROM submap_constraint").run() ||
-        !Statement(database_, "DELETE FROM submap").run()) {
+  FileFailure failed = transact([&] { return erase_graph() && insert_graph(world) && grow_revision(); });
+  identity_.revision += failed.any() ? 0 : 1;
+  return failed;
+}
+
+FileFailure WorldFile::renew(const StoredWorld& world) {
+  FileFailure failed =
+      transact([&] { return erase_graph() && replace_keyframes(world) && insert_graph(world) && grow_revision(); });
+  identity_.revision += failed.any() ? 0 : 1;
+  return failed;
+}
+
+bool WorldFile::erase_graph() {
+  return Statement(database_, "DELETE FROM submap_constraint").run() &&
+         Statement(database_, "DELETE FROM submap").run();
+}
+
+bool WorldFile::insert_graph(const StoredWorld& world) {
+  for (const StoredSession& session : world.sessions) {
+    WorldChanges changes;
+    changes.first_submap = session.first_submap;
+    for (int i = session.first_submap; i < session.first_submap + session.submaps; ++i) {
+      changes.submaps.push_back(world.submaps[static_cast<std::size_t>(i)]);
+      changes.moved.push_back({i, world.graph.pose(i)});
+    }
+    if (!insert_submaps({.session = session.id}, changes)) {
       return false;
     }
-    for (const StoredSession& session : world.sessions) {
+  }
+  WorldChanges changes;
+  changes.constraints.assign(world.graph.constraints().begin(), world.graph.constraints().end());
+  return insert_constraints({}, changes);
+}
+
+bool WorldFile::replace_keyframes(const StoredWorld& world) {
+  if (!Statement(database_, "DELETE FROM keyframe").run()) {
+    return false;
+  }
+  Statement forget(database_, "DELETE FROM odometry WHERE session = ?");
+  for (const StoredSession& session : world.sessions) {
+    for (int k = session.first_keyframe; k < session.first_keyframe + session.keyframes; ++k) {
+      const std::span<const BeamCode> codes = world.store.codes(k);
       WorldChanges changes;
-      changes.first_submap = session.first_submap;
-      for (int i = session.first_submap; i < session.first_submap + session.submaps; ++i) {
-        changes.submaps.push_back(world.submaps[static_cast<std::size_t>(i)]);
-        changes.moved.push_back({i, world.graph.pose(i)});
-      }
-      if (!insert_submaps({.session = session.id}, changes)) {
+      changes.first_keyframe = k;
+      changes.keyframes.push_back({world.store[k], {codes.begin(), codes.end()}});
+      if (!insert_keyframes({.session = session.id}, changes)) {
         return false;
       }
     }
-    WorldChanges changes;
-    changes.constraints.assign(world.graph.constraints().begin(), world.graph.constraints().end());
-    return insert_constraints({}, changes) && grow_revision();
-  };
-  FileFailure failed = transact(renew);
-  identity_.revision += failed.any() ? 0 : 1;
-  return failed;
+    if (session.odometry.empty() && !forget.run(session.id)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 bool WorldFile::insert(const WorldPlace& place, const WorldChanges& changes) {

@@ -40,6 +40,8 @@ class WorldFile {
   /// Writes all submaps and constraints anew, as a world that was read has them: with those that were made then, and
   /// its numbers. All of it or nothing.
   FileFailure renew_graph(const StoredWorld& world);
+  /// The same, with the keyframes, and without the odometry of sessions that the world has none of.
+  FileFailure renew(const StoredWorld& world);
 
   /// Writes all of it to another file, which is not there, as small as it can be. What fails leaves none.
   FileFailure copy_to(const std::filesystem::path& to);
@@ -60,6 +62,10 @@ class WorldFile {
   FileFailure read_identity();
   /// One transaction. @param change  Says whether it could.
   FileFailure transact(const std::function<bool()>& change);
+  [[nodiscard]] bool erase_graph();
+  [[nodiscard]] bool insert_graph(const StoredWorld& world);
+  /// While there is no graph, which they belong to.
+  [[nodiscard]] bool replace_keyframes(const StoredWorld& world);
   [[nodiscard]] bool insert(const WorldPlace& place, const WorldChanges& changes);
   [[nodiscard]] bool grow_revision();
   [[nodiscard]] bool insert_keyframes(const WorldPlace& place, const WorldChanges& changes);

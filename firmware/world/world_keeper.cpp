@@ -44,6 +44,12 @@ FileFailure WorldKeeper::open(GraphFeed& graph) {
       report_.is_read_only ? file_.open_to_read(params_.file) : file_.open_to_write(params_.file, session_.program);
   ContinuedWorld world;
   failed = failed.any() ? failed : world.read(file_, graph.params(), params_.mode);
+  if (const int left_out = failed.any() || report_.is_read_only ? 0 : world.make_room(file_, graph.params().graph);
+      left_out > 0) {
+    log_line(EventPriority::kNotice,
+             fmt::format("world file {}: {} submaps are left out, of which newer visits have seen the ground",
+                         params_.file, left_out));
+  }
   if (const StoredWorld* const stored = world.stored(); !failed.any() && stored != nullptr) {
     mirror_ = world.mirror();
     continued_ = mirror_.keyframes();

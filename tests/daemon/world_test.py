@@ -50,6 +50,25 @@ class World(WorldCase):
         self.assertEqual(content(self.path("again/trajectory.tum")), content(self.path("coarse/trajectory.tum")))
         self.assertLess(len(content(self.path("coarse/map.pgm"))), len(content(self.path("again/map.pgm"))) / 4)
 
+    # What newer visits have seen again is left out; a robot finds its way in the rest as it did before.
+    def test_leaves_out_what_newer_visits_have_seen(self):
+        log = self.log()
+        for seed in (1, 2):
+            self.replay_into("w", log, f"run{seed}", "--seed", seed)
+        before, bytes_before = self.count("submap"), len(content(self.path("w")))
+        self.assertIn(f"of {before} submaps are left", self.world("thin", self.path("w")).stdout)
+        self.assertLess(self.count("submap"), 0.6 * before)
+        self.assertLess(len(content(self.path("w"))), 0.7 * bytes_before)
+        self.world("check", self.path("w"))
+        self.assertEqual(self.count("session"), 2)
+        self.replay_into("w", self.part_of(log, 0.33, 1.0), "run3", "--seed", 3, "--localise")
+        first, third = self.poses("run1/trajectory.tum"), self.poses("run3/trajectory.tum")
+        apart = [math.dist(pose, first[stamp]) for stamp, pose in third.items() if stamp in first]
+        self.assertGreater(len(apart), 200)
+        self.assertLess(max(apart), 0.2)
+        left = self.count("submap")
+        self.assertIn(f"{left} of {left} submaps are left", self.world("thin", self.path("w")).stdout)
+
     # The second drive through a building is found in the map of the first, and has its frame; it begins elsewhere.
     def test_goes_on_with_what_is_there(self):
         log = self.log()
@@ -251,7 +270,8 @@ class World(WorldCase):
         self.disk("sound")
         self.world("check", self.path("w"))
 
-    # A map that has no more room stays as it is, and the robot finds its way in it; so does one that is gone on with.
+    # A map that has no more room stays as it is, and the robot finds its way in it. The next run leaves out first what was
+    # seen again, and goes on mapping.
     def test_a_world_that_is_full_stays_as_it_is(self):
         with open(self.config, "a", encoding="utf-8") as file:
             file.write("\n[graph]\nsubmaps_max = 16\n")
@@ -260,19 +280,24 @@ class World(WorldCase):
         self.wait_until(self.state, 20)
         self.wait_until(lambda: self.world_json()["mode"] == "localise", 180)
         before = content(self.path("w"))
-        for _ in range(2):
-            self.assertEqual(self.world_json()["room_used"], 1.0)
-            self.wait_until(lambda: self.world_json()["place"] == "sure" and self.state().startswith("DEGRADED: the map is full"), 60)
-            full = self.ctl("map")
-            self.assertEqual(full.returncode, EX_DATAERR)
-            self.assertIn("the map is full: raise graph.submaps_max", full.stderr)
-            at = self.status_json()["pose"]
-            self.wait_until(lambda: math.dist([at[k] for k in ("x_m", "y_m")], [self.status_json()["pose"][k] for k in ("x_m", "y_m")]) > 1.0, 60)
-            self.stop_in_time(daemon)
-            self.assertEqual(content(self.path("w")), before)
-            daemon = self.start_daemon("--world", self.path("w"))
-            self.wait_until(self.state, 20)
+        self.assertEqual(self.world_json()["room_used"], 1.0)
+        self.wait_until(lambda: self.world_json()["place"] == "sure" and self.state().startswith("DEGRADED: the map is full"), 60)
+        full = self.ctl("map")
+        self.assertEqual(full.returncode, EX_DATAERR)
+        self.assertIn("the map is full: raise graph.submaps_max", full.stderr)
+        at = self.status_json()["pose"]
+        self.wait_until(lambda: math.dist([at[k] for k in ("x_m", "y_m")], [self.status_json()["pose"][k] for k in ("x_m", "y_m")]) > 1.0, 60)
         self.stop_in_time(daemon)
+        self.assertEqual(content(self.path("w")), before)
+        daemon = self.start_daemon("--world", self.path("w"))
+        self.wait_until(self.state, 20)
+        self.wait_until(lambda: self.world_json()["place"] == "sure", 60)
+        self.assertLess(self.world_json()["room_used"], 1.0)
+        self.assertEqual(self.world_json()["mode"], "continue")
+        self.wait_until(lambda: self.count("session") == 2, 30)
+        daemon.send_signal(signal.SIGTERM)
+        self.assertIn("submaps are left out", daemon.stderr.read())
+        self.assertEqual(daemon.wait(timeout=10), 0)
         self.world("check", self.path("w"))
 
     def test_makes_a_file_anew_that_was_removed(self):

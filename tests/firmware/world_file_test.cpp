@@ -58,16 +58,7 @@ class World : public ::testing::Test {
   }
 
   void append(WorldFile& file, const WorldPlace& place, WorldMirror& mirror, const SubmapGraph& graph) {
-    WorldChanges changes;
-    changes.odometry = std::exchange(odometry_, {});
-    bool has_more = true;
-    while (has_more) {
-      has_more = mirror.collect(graph, changes);
-      const FileFailure failed = file.write(place, changes);
-      ASSERT_FALSE(failed.any()) << failed.text;
-      mirror.take(changes);
-      changes = {};
-    }
+    test::append(file, place, mirror, graph, std::exchange(odometry_, {}));
   }
 
   [[nodiscard]] WorldReading read() {

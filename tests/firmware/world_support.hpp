@@ -1,11 +1,16 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/base/rng.hpp"
 #include "core/graph/submap_graph.hpp"
 #include "firmware/world/world_contents.hpp"
+#include "firmware/world/world_file.hpp"
+#include "firmware/world/world_mirror.hpp"
 
 namespace odoless::test {
 
@@ -54,6 +59,21 @@ inline StoredKeyframe keyframe_at(int index, Rng& rng, int map_number = 0) {
 }
 
 inline StampedPose odometry_of(const StoredKeyframe& of) { return {of.keyframe.stamp_ns, of.keyframe.odom_T_scan}; }
+
+/// What a file does not have yet of a session.
+inline void append(WorldFile& file, const WorldPlace& place, WorldMirror& mirror, const SubmapGraph& graph,
+                   std::vector<StampedPose> odometry) {
+  WorldChanges changes;
+  changes.odometry = std::move(odometry);
+  bool has_more = true;
+  while (has_more) {
+    has_more = mirror.collect(graph, changes);
+    const FileFailure failed = file.write(place, changes);
+    ASSERT_FALSE(failed.any()) << failed.text;
+    mirror.take(changes);
+    changes = {};
+  }
+}
 
 inline bool is_same(const Pose2& a, const Pose2& b) {
   return a.x_m == b.x_m && a.y_m == b.y_m && a.yaw_rad == b.yaw_rad;

@@ -199,6 +199,10 @@ void keep_world(const LogJob& job, const RobotParams& params, ReplayOptions& opt
   }
   options.world_use = job.localise ? WorldUse::kLocalise : WorldUse::kContinue;
   auto file = std::make_shared<WorldOutput>(job.world, ODOLESS_VERSION, params, options.world_use);
+  if (file->left_out() > 0) {
+    fmt::print(stderr, "{}: {} submaps are left out, of which newer visits have seen the ground\n", job.world.string(),
+               file->left_out());
+  }
   options.world = file->world();
   options.on_graph = [file = std::move(file), session = SessionRecord{utc_text(), ODOLESS_VERSION, write_toml(params),
                                                                       static_cast<std::int64_t>(job.options.seed)}](

@@ -15,6 +15,7 @@
 #include "core/graph/trajectory_correction.hpp"
 #include "core/graph/world_map.hpp"
 #include "firmware/daemon/daemon_params.hpp"
+#include "firmware/world/thinned_world.hpp"
 #include "firmware/world/world_reader.hpp"
 #include "tools/command/error.hpp"
 #include "tools/output/g2o.hpp"
@@ -263,6 +264,33 @@ void run_compact(const WorldJob& job) {
   fmt::print("{}: {} bytes, before {}\n", job.file.string(), std::filesystem::file_size(job.file), before);
 }
 
+void run_thin(const WorldJob& job) {
+  WorldFile file;
+  open_world(job.file, file);  // before anything is made
+  file.close();
+  FileFailure failed = file.open_to_write(job.file, "");
+  WorldReading reading = failed.any() ? WorldReading{} : read_world(file, RobotParams{});
+  if (!failed.any() && !reading.world) {
+    throw DataError(job.file.string(), 0, reading.wrong, "a whole world; `odoless world check` says more");
+  }
+  int submaps = 0;
+  int left = 0;
+  if (!failed.any()) {
+    const std::unique_ptr<StoredWorld> thin = thinned(*reading.world);
+    submaps = reading.world->graph.size();
+    left = thin ? thin->graph.size() : submaps;
+    failed = thin ? file.renew(*thin) : FileFailure{};
+  }
+  if (!failed.any()) {
+    failed = file.compact();
+  }
+  if (failed.any()) {
+    throw IoError(fmt::format("{}: {}; nothing of the map was left out", job.file.string(), failed.text));
+  }
+  fmt::print("{}: {} of {} submaps are left, {} bytes\n", job.file.string(), left, submaps,
+             std::filesystem::file_size(job.file));
+}
+
 bool has_session(const StoredWorld& world, const StoredSession& session) {
   return std::ranges::any_of(world.sessions, [&](const StoredSession& each) {
     return each.about.started == session.about.started && each.about.seed == session.about.seed &&
@@ -362,6 +390,9 @@ void add_world(CLI::App& app) {
   merge->add_option("OTHER", job->other, "World file whose sessions are to be found in the first")->required();
   merge->add_option("--out", job->out, "New world file for both")->required();
   merge->callback([job] { run_merge(*job); });
+  add_job(*world, "thin", "Leave out of a world what newer visits have seen again", *job)->callback([job] {
+    run_thin(*job);
+  });
   add_job(*world, "compact", "Write a world anew, as small as it can be", *job)->callback([job] { run_compact(*job); });
 }
 

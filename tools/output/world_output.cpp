@@ -28,6 +28,9 @@ WorldOutput::WorldOutput(std::filesystem::path path, const std::string& program,
   if (failed.any()) {
     throw CannotCreateError(path_.string() + ": " + failed.text);
   }
+  if (!is_read_only) {
+    left_out_ = world_.make_room(file_, params.graph);
+  }
 }
 
 void WorldOutput::write(const SessionRecord& session, const SubmapGraph& graph, std::span<const StampedPose> odom) {

@@ -23,6 +23,9 @@ class WorldOutput {
   /// What the file has; null: nothing yet.
   [[nodiscard]] const StoredWorld* world() const { return world_.stored(); }
 
+  /// Submaps of it that newer visits have made needless, and that were left out (ContinuedWorld::make_room).
+  [[nodiscard]] int left_out() const { return left_out_; }
+
   /// What the run has mapped, if it has. @param odom  odom_T_scan of all scans. @throws IoError.
   void write(const SessionRecord& session, const SubmapGraph& graph, std::span<const StampedPose> odom);
 
@@ -30,6 +33,7 @@ class WorldOutput {
   std::filesystem::path path_;
   WorldFile file_;
   ContinuedWorld world_;
+  int left_out_ = 0;
 };
 
 /// Opens a world to read it. @throws NoInputError, DataError.
