@@ -68,6 +68,14 @@ class World(WorldCase):
         self.assertLess(max(apart), 0.2)
         left = self.count("submap")
         self.assertIn(f"{left} of {left} submaps are left", self.world("thin", self.path("w")).stdout)
+        # Found wherever it begins.
+        made = run("odoless", "eval", "places", self.path("w"), log, self.path("run1/trajectory.tum"), "--places", 8, "--json")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        places = json.loads(made.stdout)
+        self.assertEqual((len(places["places"]), places["told_in_time"], places["wrong"]), (8, 8, 0), made.stdout)
+        self.assertLess(places["error_max_m"], 0.2)
+        again = run("odoless", "eval", "places", self.path("w"), log, self.path("run1/trajectory.tum"), "--places", 8, "--json")
+        self.assertEqual(json.loads(again.stdout), places, "the same random seed, the same places")
 
     # The second drive through a building is found in the map of the first, and has its frame; it begins elsewhere.
     def test_goes_on_with_what_is_there(self):

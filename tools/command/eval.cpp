@@ -5,8 +5,12 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "firmware/world/world_reader.hpp"
 #include "tools/command/error.hpp"
 #include "tools/eval/report.hpp"
+#include "tools/output/progress.hpp"
+#include "tools/output/world_output.hpp"
+#include "tools/replay/places.hpp"
 
 namespace odoless {
 namespace {
@@ -58,6 +62,33 @@ void run_pairs(const EvalOptions& options) {
   finish(options, evaluate_pairs(reference, read_matches(options.estimate), params));
 }
 
+struct PlacesOptions {
+  std::string world;
+  std::string log;
+  std::string truth;
+  PlacesParams wanted;
+  bool json = false;
+};
+
+void run_places(const PlacesOptions& options) {
+  WorldFile file;
+  open_world(options.world, file);
+  const WorldReading reading = read_world(file, RobotParams{});
+  if (!reading.world) {
+    throw DataError(options.world, 0, reading.wrong, "a whole world; `odoless world check` says more");
+  }
+  const ScanLog log = read_scan_log(options.log);
+  const ReferencePoses truth = read_reference_poses(options.truth);
+  std::vector<TriedPlace> tried;
+  {
+    Progress bar(options.wanted.places, InPipe::kLines);
+    const StampLookup poses(truth.poses);
+    tried = try_places({log, poses}, *reading.world, RobotParams{}, options.wanted,
+                       [&](int done) { bar.update(done, {}); });
+  }
+  print(report(tried, options.wanted), options.json);
+}
+
 using Options = std::shared_ptr<EvalOptions>;
 
 CLI::App* add_kind(CLI::App& eval, const Options& options, const char* name, const char* summary) {
@@ -107,6 +138,29 @@ void add_pairs(CLI::App& eval) {
   command->callback([options] { run_pairs(*options); });
 }
 
+void add_places(CLI::App& eval) {
+  auto options = std::make_shared<PlacesOptions>();
+  CLI::App* const command =
+      eval.add_subcommand("places", "Put a robot at random places of a log into a world, and see whether it is found");
+  command->add_option("WORLD", options->world, "World file; it stays as it is")->required();
+  command->add_option("LOG", options->log, "Recorded log of a drive in that building")->required();
+  command->add_option("TRAJ", options->truth, "Where the robot was in the world's frame: TUM, or stamp x y yaw")
+      ->required();
+  command->add_option("--places", options->wanted.places, "How many")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--seed", options->wanted.seed, "Random seed: the same seed gives the same places")
+      ->capture_default_str();
+  command->add_option("--in-time-s", options->wanted.in_time_s, "Time of scans within which the robot is to be found")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  command->add_option("--watched-s", options->wanted.watched_s, "Time of scans that each is watched")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Write one JSON object instead of text");
+  command->callback([options] { run_places(*options); });
+}
+
 }  // namespace
 
 void add_eval(CLI::App& app) {
@@ -115,6 +169,7 @@ void add_eval(CLI::App& app) {
   add_relations(*eval);
   add_ate(*eval);
   add_pairs(*eval);
+  add_places(*eval);
 }
 
 }  // namespace odoless
