@@ -81,6 +81,14 @@ Ground ground_of(const SubmapWorld& world, int submap) {
   return ground;
 }
 
+/// Whether a keyframe goes on from the one before it; else another run begins with it.
+bool goes_on(const KeyframeStore& store, int keyframe) {
+  constexpr double kRounding_m = 1e-3;
+  constexpr double kRounding_rad = 1e-3;
+  return keyframe > 0 && are_within(store[keyframe - 1].odom_T_scan * store[keyframe].since_last.start_T_end,
+                                    store[keyframe].odom_T_scan, kRounding_m, kRounding_rad);
+}
+
 int other_end(const Constraint& constraint, int node) {
   return constraint.from == node ? constraint.to : constraint.from;
 }
@@ -207,11 +215,11 @@ void copy_without(const SubmapWorld& world, const std::vector<int>& needless, Ke
   std::optional<OdometryStretch> left_out;  // since the last keyframe that stays on the same path
   for (int i = 0; i < world.graph.size(); ++i) {
     const bool stays = number[static_cast<std::size_t>(i)] != kGone;
-    left_out = world.graph.follows(i) ? left_out : std::nullopt;
     Submap submap = world.submaps[static_cast<std::size_t>(i)];
     const int first = store.size();
     for (int k = submap.first_keyframe; k < submap.end_keyframe(); ++k) {
       Keyframe keyframe = world.store[k];
+      left_out = goes_on(world.store, k) ? left_out : std::nullopt;
       keyframe.since_last = left_out ? left_out->then(keyframe.since_last) : keyframe.since_last;
       left_out = stays ? std::nullopt : std::optional(keyframe.since_last);
       if (stays) {

@@ -29,12 +29,11 @@ struct PlacesParams {
 /// One place of the log, from which on the robot was looked for.
 struct TriedPlace {
   double stamp_s = 0.0;
-  double told_after_s =
-      -1.0;  ///< from its first scan to the first right pose, a guess (DEGRADED) or OK; negative: none
-  double sure_after_s = -1.0;  ///< to the first scan with the state OK; negative: none
-  int guessed_scans = 0;
+  double told_after_s = -1.0;      ///< until the first right pose, a guess (DEGRADED) or OK; negative: none
+  double sure_after_s = -1.0;      ///< until the state is OK; negative: never
+  int guessed_scans = 0;           ///< with a pose, but not OK
   int wrong_guesses = 0;           ///< of these, off by more than OK promises
-  int wrong_scans = 0;             ///< of these, off by more than OK promises
+  int wrong_scans = 0;             ///< with the state OK, and off by more than that
   std::vector<double> errors_m{};  ///< of poses with the state OK
 };
 
