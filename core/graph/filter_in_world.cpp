@@ -16,11 +16,12 @@ constexpr double kAgreement_rad = 0.02;
 constexpr double kReach_m = 6.0;    // from a submap's origin
 constexpr std::size_t kNewest = 4;  // submaps that the filter may have had elsewhere before it was put there
 
-/// Whether a loop closure holds a submap from there on by one from before.
-bool is_found_since(const PoseGraph& graph, int submap) {
-  return std::any_of(graph.constraints().begin(), graph.constraints().end(), [submap](const Constraint& each) {
-    return each.is_loop && each.holds() && std::min(each.from, each.to) < submap &&
-           std::max(each.from, each.to) > submap;
+/// Whether a loop closure holds a submap from beyond the one that was being made behind this one, by one from before.
+bool is_found_since(const SubmapGraph& graph, int serial) {
+  const auto made = static_cast<int>(std::ranges::count_if(
+      graph.submaps(), [&](const Submap& each) { return graph.keyframes().serial(each.first_keyframe) <= serial; }));
+  return std::ranges::any_of(graph.graph().constraints(), [made](const Constraint& each) {
+    return each.is_loop && each.holds() && std::min(each.from, each.to) < made && std::max(each.from, each.to) > made;
   });
 }
 
@@ -36,26 +37,9 @@ FilterInWorld::FilterInWorld(const GraphParams& params) {
 void FilterInWorld::update(const SubmapGraph& graph) {
   if (revision_ != graph.revision()) {
     revision_ = graph.revision();
-    forget(graph.forgotten() - forgotten_);
-    if (claim_ && is_found_since(graph.graph(), claimed_at_)) {
-      claim_.reset();
-    }
-    claim_ = first_ == graph.first_submap() ? claim_ : std::nullopt;
-    first_ = graph.first_submap();
-    places_.resize(graph.submaps().size() - first_);
-    if (!places_.empty()) {
-      graph.graph().project_drift(0, std::max(1, static_cast<int>(first_)), projection_);
-    }
-    for (std::size_t i = 0; i < places_.size(); ++i) {
-      places_[i].drift = Eigen::Matrix3d::Zero();
-      if (projection_.costs[first_ + i] < PoseGraph::kUnreached) {
-        places_[i].drift = projection_.covariances[first_ + i];
-      }
-      places_[i].map_T_submap = graph.graph().pose(static_cast<int>(first_ + i));
-      places_[i].local_T_submap = graph.submaps()[first_ + i].local_T_submap;
-    }
+    take(graph);
   }
-  if (places_.empty() && (forgotten_ > 0 || graph.has_path())) {
+  if (places_.empty() && (graph.forgotten() > 0 || graph.has_path())) {
     begin_ = graph.map_T_odom();
   }
   odom_slip_ = graph.odom_slip();
@@ -63,11 +47,33 @@ void FilterInWorld::update(const SubmapGraph& graph) {
   graph_map_T_odom_ = graph.is_behind_unknown_motion() ? std::nullopt : std::optional(graph.map_T_odom());
 }
 
-void FilterInWorld::forget(int submaps) {
-  const auto count = static_cast<std::size_t>(submaps);
-  forgotten_ += submaps;
-  claimed_at_ -= submaps;
-  claim_ = claim_ && *claim_ >= count ? std::optional(*claim_ - count) : std::nullopt;
+// A submap by which the filter has the robot may be no more: those of the run from before, or where others have made it
+// needless; of these, one that is at the same place in the filter's map serves as well.
+void FilterInWorld::take(const SubmapGraph& graph) {
+  const std::optional<Place> claimed = claim_ ? std::optional(places_[*claim_]) : std::nullopt;
+  const bool is_thinned = std::exchange(thinnings_, graph.thinnings()) != graph.thinnings();
+  const std::size_t first = graph.first_submap();
+  places_.resize(graph.submaps().size() - first);
+  if (!places_.empty()) {
+    graph.graph().project_drift(0, std::max(1, static_cast<int>(first)), projection_);
+  }
+  claim_.reset();
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Submap& submap = graph.submaps()[first + i];
+    places_[i] = {.serial = graph.keyframes().serial(submap.first_keyframe),
+                  .map_T_submap = graph.graph().pose(static_cast<int>(first + i)),
+                  .local_T_submap = submap.local_T_submap};
+    if (projection_.costs[first + i] < PoseGraph::kUnreached) {
+      places_[i].drift = projection_.covariances[first + i];
+    }
+    claim_ = claimed && claimed->serial == places_[i].serial ? std::optional(i) : claim_;
+  }
+  if (claimed && !claim_ && is_thinned) {
+    claim_ = nearest(claimed->local_T_submap);
+  }
+  if (claim_ && is_found_since(graph, claimed_after_)) {
+    claim_.reset();
+  }
 }
 
 Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan, int placements) {
@@ -83,7 +89,7 @@ Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan,
   }
   if (is_placed) {  // in the unknown: by the last known
     claim_ = nearest(local_T_odom * odom_T_scan).value_or(claim_.value_or(places_.size() - 1));
-    claimed_at_ = static_cast<int>(first_ + places_.size());
+    claimed_after_ = places_.back().serial;
   }
   const Pose2 newest = graph_map_T_odom_.value_or(places_.back().map_T_local() * local_T_odom);
   if (!claim_) {

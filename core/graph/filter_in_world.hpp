@@ -40,6 +40,7 @@ class FilterInWorld {
 
  private:
   struct Place {
+    int serial = 0;  ///< of its first keyframe
     Pose2 map_T_submap{};
     Pose2 local_T_submap{};
     Eigen::Matrix3d drift = Eigen::Matrix3d::Zero();  ///< in the submap's axes
@@ -51,22 +52,21 @@ class FilterInWorld {
   Pose2 placed(const Place& place, const Pose2& map_T_odom, const Pose2& odom_T_scan);
   /// The submap that the robot is at.
   [[nodiscard]] std::optional<std::size_t> nearest(const Pose2& local_T_scan) const;
-  /// So many of the oldest submaps are no more.
-  void forget(int submaps);
+  /// Notes which submaps there are now, and where they lie.
+  void take(const SubmapGraph& graph);
 
   std::vector<Place> places_;  ///< of the submaps of this run
   PoseGraph::Projection projection_;
   Eigen::Matrix3d drift_ = Eigen::Matrix3d::Zero();
   Eigen::Matrix2d odom_slip_ = Eigen::Matrix2d::Zero();  ///< since the newest of them
-  std::size_t first_ = 0;                                ///< of them
   std::int64_t revision_ = -1;
-  int forgotten_ = 0;                      ///< submaps of this run
+  int thinnings_ = 0;                      ///< of the graph
   std::optional<Pose2> guess_;             ///< map_T_odom while this run is not joined to the world
   std::optional<Pose2> begin_;             ///< map_T_odom while there is no submap
   std::optional<Pose2> graph_map_T_odom_;  ///< none behind a motion that is not credible
   std::optional<int> placements_;          ///< with the scan before
   std::optional<std::size_t> claim_;  ///< since the last: the submap by which the filter has the robot in the world
-  int claimed_at_ = 0;                ///< the submap that was being made then
+  int claimed_after_ = 0;             ///< serial of the newest submap then
 };
 
 }  // namespace odoless

@@ -15,21 +15,28 @@ KeyframeStore::KeyframeStore(int keyframes_max, int beams_max)
 
 int KeyframeStore::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
   ODOLESS_CHECK(!full() && codes.size() == static_cast<std::size_t>(keyframe.beams));
-  kept_.push_back({keyframe, {}, codes_.size()});
+  kept_.push_back({keyframe, {}, codes_.size(), added_++});
   codes_.insert(codes_.end(), codes.begin(), codes.end());
   return size() - 1;
 }
 
-void KeyframeStore::erase(int first, int count) {
-  const int end = first + count;
-  const std::size_t begin_code = first < size() ? at(first).first_code : codes_.size();
-  const std::size_t end_code = end < size() ? at(end).first_code : codes_.size();
-  codes_.erase(codes_.begin() + static_cast<std::ptrdiff_t>(begin_code),
-               codes_.begin() + static_cast<std::ptrdiff_t>(end_code));
-  kept_.erase(kept_.begin() + first, kept_.begin() + end);
-  for (int i = first; i < size(); ++i) {
-    at(i).first_code -= end_code - begin_code;
+void KeyframeStore::erase(const std::vector<bool>& is_gone) {
+  std::size_t stays = 0;
+  std::size_t codes = 0;
+  for (std::size_t i = 0; i < kept_.size(); ++i) {
+    if (!is_gone[i]) {
+      Kept kept = kept_[i];
+      const auto first = codes_.begin() + static_cast<std::ptrdiff_t>(kept.first_code);
+      if (codes < kept.first_code) {
+        std::copy(first, first + kept.keyframe.beams, codes_.begin() + static_cast<std::ptrdiff_t>(codes));
+      }
+      kept.first_code = codes;
+      codes += static_cast<std::size_t>(kept.keyframe.beams);
+      kept_[stays++] = kept;
+    }
   }
+  kept_.resize(stays);
+  codes_.resize(codes);
 }
 
 int KeyframeStore::most_beams() const {

@@ -19,12 +19,16 @@ class KeyframeStore {
   [[nodiscard]] bool full() const { return kept_.size() == keyframes_max_; }
   /// Only when not full. @return  Its index.
   int add(const Keyframe& keyframe, std::span<const BeamCode> codes);
-  /// Takes out keyframes; those behind them have lower numbers. Linear in these.
-  void erase(int first, int count);
+  /// Takes out the keyframes for which that is so; those behind them have lower numbers. Linear.
+  void erase(const std::vector<bool>& is_gone);
   /// In its submap's frame, once that is known.
   void place(int index, const Pose2& submap_T_scan) { at(index).submap_T_scan = submap_T_scan; }
+  /// Those between it and the one before are taken out.
+  void set_since_last(int index, const OdometryStretch& since_last) { at(index).keyframe.since_last = since_last; }
 
   [[nodiscard]] int size() const { return static_cast<int>(kept_.size()); }
+  /// How many were added before a keyframe, whatever was taken out since: it never changes. Of the next one: of all.
+  [[nodiscard]] int serial(int index) const { return index < size() ? at(index).serial : added_; }
   [[nodiscard]] const Keyframe& operator[](int index) const { return at(index).keyframe; }
   [[nodiscard]] const Pose2& submap_T_scan(int index) const { return at(index).submap_T_scan; }
   /// Beams of the keyframe with the most.
@@ -40,12 +44,14 @@ class KeyframeStore {
     Keyframe keyframe;
     Pose2 submap_T_scan{};
     std::size_t first_code = 0;
+    int serial = 0;
   };
 
   [[nodiscard]] Kept& at(int index) { return kept_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] const Kept& at(int index) const { return kept_[static_cast<std::size_t>(index)]; }
 
   std::size_t keyframes_max_;
+  int added_ = 0;
   std::vector<Kept> kept_;
   std::vector<BeamCode> codes_;
   mutable std::vector<float> loaded_m_;

@@ -61,13 +61,12 @@ void LoopVerifier::add(const LoopCandidate& candidate) {
   pool_.push_back(candidate);
 }
 
-void LoopVerifier::erase(int first, int count) {
-  const auto is_erased = [&](int submap) { return first <= submap && submap < first + count; };
-  std::erase_if(pool_, [&](const LoopCandidate& each) { return is_erased(each.reference) || is_erased(each.query); });
+void LoopVerifier::renumber(std::span<const int> now) {
   for (LoopCandidate& each : pool_) {
-    each.reference -= each.reference < first ? 0 : count;
-    each.query -= each.query < first ? 0 : count;
+    each.reference = now[static_cast<std::size_t>(each.reference)];
+    each.query = now[static_cast<std::size_t>(each.query)];
   }
+  std::erase_if(pool_, [](const LoopCandidate& each) { return std::min(each.reference, each.query) < 0; });
 }
 
 std::vector<std::vector<bool>> LoopVerifier::compare(const PoseGraph& graph) const {

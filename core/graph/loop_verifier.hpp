@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/graph/pose_graph.hpp"
@@ -25,8 +26,8 @@ class LoopVerifier {
   static constexpr int kWindow = 12;  ///< submaps that a match is held back for
 
   void add(const LoopCandidate& candidate);
-  /// These submaps are no more; those behind them have lower numbers.
-  void erase(int first, int count);
+  /// Submaps have other numbers. @param now  Of each that there was; negative: it is no more.
+  void renumber(std::span<const int> now);
   /// Forgets what is older than kWindow submaps before `newest`, and gives the largest set of matches that agree, if it
   /// is enough; these are then no longer held back.
   [[nodiscard]] std::vector<LoopCandidate> verify(const PoseGraph& graph, int newest);

@@ -21,15 +21,20 @@ double largest_sd(const Eigen::Matrix3d& covariance) {
 
 }  // namespace
 
-void MatchPlan::erase(int first, int count) {
-  const auto begin = attempts_.begin() + first;
-  attempts_.erase(begin, begin + count);
-  for (Attempts& attempts : attempts_) {
+void MatchPlan::renumber(std::span<const int> now) {
+  constexpr int kNone = -1;
+  std::size_t stays = 0;
+  for (std::size_t query = 0; query < attempts_.size(); ++query) {
+    if (now[query] < 0) {
+      continue;
+    }
+    Attempts& attempts = attempts_[stays++] = attempts_[query];
     for (std::size_t i = 0; i < attempts.count; ++i) {
       int& reference = attempts.each[i].reference;
-      reference = reference < first ? reference : reference < first + count ? -1 : reference - count;
+      reference = reference < 0 ? kNone : now[static_cast<std::size_t>(reference)];
     }
   }
+  attempts_.resize(stays);
 }
 
 void MatchPlan::clear() {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/graph/pose_graph.hpp"
@@ -29,8 +30,8 @@ class MatchPlan {
 
   /// So many submaps more have no match yet.
   void add_submaps(std::size_t count) { attempts_.resize(attempts_.size() + count); }
-  /// These are no more; those behind them have lower numbers.
-  void erase(int first, int count);
+  /// Submaps have other numbers. @param now  Of each that there was; negative: it is no more.
+  void renumber(std::span<const int> now);
 
   void clear();
   /// Appends the candidates of a submap. @param first_own  Submaps from there on are of the same run.

@@ -76,6 +76,8 @@ class PoseGraph {
   [[nodiscard]] int held() const { return held_; }
   /// Takes out nodes with all of their constraints; those behind them have lower numbers. Linear in the graph.
   void erase(int first, int count);
+  /// Takes out all.
+  void clear() { erase(0, size()); }
 
   [[nodiscard]] const Pose2& pose(int node) const { return poses_[static_cast<std::size_t>(node)]; }
   [[nodiscard]] Pose2 between(int from, int to) const { return pose(from).inverse() * pose(to); }

@@ -50,6 +50,8 @@ SubmapGraph::SubmapGraph(const GraphParams& params, const RobotLimits& limits, c
 }
 
 bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
+  while (!is_localising() && is_full() && work()) {  // which may make room
+  }
   if (!is_localising() && is_full()) {
     go_over(WorldUse::kLocalise);
   }
@@ -201,6 +203,9 @@ bool SubmapGraph::work() {
     case Phase::kSolve:
       solve();
       break;
+    case Phase::kThin:
+      thin();
+      break;
   }
   return has_work();
 }
@@ -294,6 +299,10 @@ void SubmapGraph::solve() {
   note_closures();
   ++revision_;
   phase_ = Phase::kIdle;
+  if (is_to_thin()) {
+    phase_ = Phase::kThin;
+    thinning_.emplace(world());
+  }
 }
 
 Pose2 SubmapGraph::map_T_newest() const {
@@ -355,7 +364,8 @@ TrajectoryCorrection SubmapGraph::correction() const {
   for (std::size_t i = run_begin_; i < submaps_.size(); ++i) {
     places.push_back({submaps_[i].odom_T_submap, graph_.pose(static_cast<int>(i)), submaps_[i].origin_stamp_ns});
   }
-  places.insert(places.end(), past_.submaps().begin(), past_.submaps().end());
+  const std::vector<SubmapPlace> past = past_.submaps(graph_);
+  places.insert(places.end(), past.begin(), past.end());
   std::ranges::stable_sort(places, {}, &SubmapPlace::origin_stamp_ns);
   for (const SubmapPlace& each : places) {
     correction.add(each);

@@ -19,6 +19,7 @@
 #include "core/graph/submap_builder.hpp"
 #include "core/graph/submap_matcher.hpp"
 #include "core/graph/trajectory_correction.hpp"
+#include "core/graph/world_thinning.hpp"
 
 namespace odoless {
 
@@ -42,8 +43,9 @@ enum class WorldUse : std::uint8_t { kContinue, kLocalise };
 /// which then stays as it is: of its own submaps it keeps the newest ones alone, and where it may have been carried, by
 /// a motion that is not credible, its path begins anew and is looked for, first where it was lost.
 ///
-/// It may go over from one to the other at any time, and does so by itself where the world is full: from then on all
-/// that was mapped stays as it is, and what room is left is for the path.
+/// Where little room is left, it leaves out what newer visits have made needless (WorldThinning). It may go over from
+/// one use to the other at any time, and does so by itself where the world is full nevertheless: from then on all that
+/// was mapped stays as it is, and what room is left is for the path.
 ///
 /// Frames: map, which is where the first keyframe has it (REP 105). odom never jumps; map_T_odom does, at a correction.
 /// Thread: owned by one thread. Not for real-time threads. The same scans, motions and random seed give the same bytes.
@@ -126,8 +128,10 @@ class SubmapGraph {
   [[nodiscard]] int mapped_keyframes() const { return is_localising() ? first_keyframe_ : store_.size(); }
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
   [[nodiscard]] const KeyframeStore& keyframes() const { return store_; }
-  /// Own submaps that are no more.
+  /// Own submaps of the path that are no more.
   [[nodiscard]] int forgotten() const { return forgotten_; }
+  /// Grows when submaps are left out that newer ones have made needless: others have lower numbers then.
+  [[nodiscard]] int thinnings() const { return thinnings_; }
   /// What the map is drawn of.
   [[nodiscard]] SubmapWorld map() const {
     return is_localising() ? SubmapWorld{store_, graph_, std::span(submaps_).first(first_submap_), {}, anchor_}
@@ -147,7 +151,7 @@ class SubmapGraph {
   [[nodiscard]] TrajectoryCorrection correction() const;
 
  private:
-  enum class Phase : std::uint8_t { kIdle, kMatch, kVerify, kSolve };
+  enum class Phase : std::uint8_t { kIdle, kMatch, kVerify, kSolve, kThin };
   // In a world that stays as it is, own submaps
   static constexpr int kOwn_submaps = 40;    ///< that are kept: 200 m
   static constexpr int kUnheld_submaps = 5;  ///< without a loop closure, from which on it is not sure
@@ -181,6 +185,10 @@ class SubmapGraph {
   /// What the world says of the second own submap through the first one.
   [[nodiscard]] std::optional<Constraint> hold_of_second() const;
   void erase_own(int submaps, int keyframes);
+  /// Whether little room is left, and a tenth of the submaps has come since that was looked at.
+  [[nodiscard]] bool is_to_thin() const;
+  void thin();
+  void leave_out(const std::vector<int>& needless);
   /// Plans the matches of a submap, and of a few older ones.
   void begin_work(int query);
   void try_next();
@@ -221,6 +229,9 @@ class SubmapGraph {
   double world_used_ = 0.0;  ///< when it became the world
   PastPath past_;
   int forgotten_ = 0;
+  std::optional<WorldThinning> thinning_;
+  int thinned_size_ = 0;  ///< submaps when what is needless was left out last
+  int thinnings_ = 0;
   bool is_confirmed_ = false;
   int unheld_ = 0;                        ///< own submaps since one with a loop closure
   std::optional<PlaceBySubmap> lost_at_;  ///< where the robot was when it was in the world last

@@ -1,6 +1,8 @@
 // What a run in a world that stays as it is forgets of its own path (submap_graph.hpp).
 #include <algorithm>
+#include <numeric>
 #include <set>
+#include <vector>
 
 #include "core/graph/submap_graph.hpp"
 
@@ -109,14 +111,20 @@ std::optional<Constraint> SubmapGraph::hold_of_second() const {
 
 void SubmapGraph::erase_own(int submaps, int keyframes) {
   const auto first = static_cast<int>(first_submap_);
+  std::vector<int> now(submaps_.size());
+  std::iota(now.begin(), now.begin() + first, 0);
+  std::fill_n(now.begin() + first, submaps, SubmapNumbers::kNone);
+  std::iota(now.begin() + first + submaps, now.end(), first);
+  std::vector<bool> is_gone(static_cast<std::size_t>(store_.size()), false);
+  std::fill_n(is_gone.begin() + first_keyframe_, keyframes, true);
   submaps_.erase(submaps_.begin() + first, submaps_.begin() + first + submaps);
   for (std::size_t i = first_submap_; i < submaps_.size(); ++i) {
     submaps_[i].first_keyframe -= keyframes;
   }
-  store_.erase(first_keyframe_, keyframes);
+  store_.erase(is_gone);
   graph_.erase(first, submaps);
-  plan_.erase(first, submaps);
-  verifier_.erase(first, submaps);
+  plan_.renumber(now);
+  verifier_.renumber(now);
   matcher_.forget_from(first, params_.submaps_max);
   revisited_ = first;
   filter_.reset();

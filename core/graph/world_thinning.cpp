@@ -1,85 +1,17 @@
 #include "core/graph/world_thinning.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
+#include <cstddef>
+#include <numeric>
 #include <optional>
-#include <span>
-#include <unordered_set>
 #include <utility>
 
 #include "core/base/check.hpp"
-#include "core/math/elementary.hpp"
 
 namespace odoless {
 namespace {
 
-constexpr double kNear_m = 6.0;
 constexpr double kSeen_share = 0.99;
-constexpr double kCell_m = 0.25;
-
-/// Ground as cells of 0.25 m, of parts of a world that lie on top of each other as well.
-class Ground {
- public:
-  explicit Ground(int part) : part_(part) {}
-
-  /// What a keyframe saw within kNear_m, where no wall is in between.
-  void see(const KeyframeStore& store, int keyframe, const Pose2& map_T_scan) {
-    const Keyframe& of = store[keyframe];
-    const std::span<const BeamCode> codes = store.codes(keyframe);
-    const double step_rad = std::max(std::abs(of.angle_step_rad), 1e-4);
-    const auto stride = static_cast<std::size_t>(std::max(1.0, kCell_m / kNear_m / step_rad));
-    for (std::size_t i = 0; i < codes.size(); i += stride) {
-      const double angle_rad = map_T_scan.yaw_rad + of.start_angle_rad + of.angle_step_rad * static_cast<double>(i);
-      const Point2 direction{math::cos(angle_rad), math::sin(angle_rad)};
-      const double reach_m = std::min(static_cast<double>(range_of(codes[i])), kNear_m);
-      for (double way_m = 0.0; way_m < reach_m; way_m += 0.5 * kCell_m) {
-        cells_.insert(key({map_T_scan.x_m + way_m * direction.x_m, map_T_scan.y_m + way_m * direction.y_m}));
-      }
-    }
-  }
-
-  void add(const Ground& other) { cells_.insert(other.cells_.begin(), other.cells_.end()); }
-
-  /// Of this ground, what the other one has as well, or next to it: where a wall is at the edge of a cell, one visit
-  /// has it and the other one has not.
-  [[nodiscard]] double share_in(const Ground& other) const {
-    const auto is_there = [&](std::int64_t cell) {
-      for (const std::int64_t across : {-kRow, std::int64_t{0}, kRow}) {
-        for (const std::int64_t along : {-1, 0, 1}) {
-          if (other.cells_.contains(cell + across + along)) {
-            return true;
-          }
-        }
-      }
-      return false;
-    };
-    const auto seen = std::count_if(cells_.begin(), cells_.end(), is_there);
-    return cells_.empty() ? 0.0 : static_cast<double>(seen) / static_cast<double>(cells_.size());
-  }
-
- private:
-  static constexpr std::int64_t kRow = std::int64_t{1} << 20;  ///< 260 km
-  static constexpr std::int64_t kPart = kRow * kRow;
-
-  [[nodiscard]] std::int64_t key(const Point2& at) const {
-    const auto column = static_cast<std::int64_t>(std::floor(at.x_m / kCell_m)) + kRow / 2;
-    const auto row = static_cast<std::int64_t>(std::floor(at.y_m / kCell_m)) + kRow / 2;
-    return part_ * kPart + row * kRow + column;
-  }
-
-  std::int64_t part_;
-  std::unordered_set<std::int64_t> cells_;
-};
-
-Ground ground_of(const SubmapWorld& world, int submap) {
-  const Submap& each = world.submaps[static_cast<std::size_t>(submap)];
-  Ground ground(world.graph.component(submap));
-  for (int k = each.first_keyframe; k < each.end_keyframe(); ++k) {
-    ground.see(world.store, k, world.graph.pose(submap) * world.store.submap_T_scan(k));
-  }
-  return ground;
-}
 
 /// Whether a keyframe goes on from the one before it; else another run begins with it.
 bool goes_on(const KeyframeStore& store, int keyframe) {
@@ -111,7 +43,8 @@ class Ties {
     }
   }
 
-  void hand_over(int node) {
+  /// @return  The newer node that stands for it from now on.
+  int hand_over(int node) {
     std::vector<Constraint> own;
     for (const std::size_t i : std::exchange(of(node), {})) {
       if (all_[i]) {
@@ -131,15 +64,18 @@ class Ties {
         add_surer(through(*surest, heir, node, each));
       }
     }
+    return heir;
   }
 
-  template <class Take>
-  void for_each(const Take& take) const {
+  /// What is left of them.
+  [[nodiscard]] std::vector<Constraint> constraints() const {
+    std::vector<Constraint> left;
     for (const std::optional<Constraint>& each : all_) {
       if (each) {
-        take(*each);
+        left.push_back(*each);
       }
     }
+    return left;
   }
 
  private:
@@ -181,62 +117,98 @@ class Ties {
   std::vector<std::vector<std::size_t>> of_node_;
 };
 
-}  // namespace
-
-std::vector<int> needless_submaps(const SubmapWorld& world) {
-  std::vector<bool> is_tied(world.submaps.size(), false);  // to a newer one
-  for (const Constraint& each : world.graph.constraints()) {
-    const int older = std::min(each.from, each.to);
-    is_tied[static_cast<std::size_t>(older)] = is_tied[static_cast<std::size_t>(older)] || is_tie_to_newer(each, older);
-  }
-  std::vector<int> needless;
-  Ground seen(0);
-  for (int i = static_cast<int>(world.submaps.size()) - 1; i >= 0; --i) {
-    const Ground own = ground_of(world, i);
-    if (is_tied[static_cast<std::size_t>(i)] && own.share_in(seen) >= kSeen_share) {
-      needless.push_back(i);
+/// Takes out keyframes; of the way behind them the next one that stays knows.
+void take_out(const std::vector<bool>& is_gone, KeyframeStore& store) {
+  std::optional<OdometryStretch> left_out;  // since the last keyframe that stays on the same path
+  for (int k = 0; k < store.size(); ++k) {
+    left_out = goes_on(store, k) ? left_out : std::nullopt;
+    const OdometryStretch since_last = left_out ? left_out->then(store[k].since_last) : store[k].since_last;
+    if (is_gone[static_cast<std::size_t>(k)]) {
+      left_out = since_last;
     } else {
-      seen.add(own);
+      store.set_since_last(k, since_last);
+      left_out = std::nullopt;
     }
   }
-  std::ranges::reverse(needless);
-  return needless;
+  store.erase(is_gone);
 }
 
-void copy_without(const SubmapWorld& world, const std::vector<int>& needless, KeyframeStore& store, PoseGraph& graph,
-                  std::vector<Submap>& submaps) {
-  constexpr int kGone = -1;
-  Ties ties(world.graph);
-  std::vector<int> number(world.submaps.size(), 0);
+}  // namespace
+
+WorldThinning::WorldThinning(const SubmapWorld& world)
+    : is_tied_(world.submaps.size(), false), next_(static_cast<int>(world.submaps.size())) {
+  for (const Constraint& each : world.graph.constraints()) {
+    const int older = std::min(each.from, each.to);
+    is_tied_[static_cast<std::size_t>(older)] =
+        is_tied_[static_cast<std::size_t>(older)] || is_tie_to_newer(each, older);
+  }
+}
+
+bool WorldThinning::work(const SubmapWorld& world) {
+  if (next_ == 0) {
+    return false;
+  }
+  --next_;
+  const Submap& submap = world.submaps[static_cast<std::size_t>(next_)];
+  SeenGround own;
+  for (int k = submap.first_keyframe; k < submap.end_keyframe(); ++k) {
+    own.see(world.graph.component(next_), world.store, k, world.graph.pose(next_) * world.store.submap_T_scan(k));
+  }
+  if (is_tied_[static_cast<std::size_t>(next_)] && own.share_in(seen_) >= kSeen_share) {
+    needless_.insert(needless_.begin(), next_);
+  } else {
+    seen_.add(own);
+  }
+  return next_ > 0;
+}
+
+std::vector<int> needless_submaps(const SubmapWorld& world) {
+  WorldThinning thinning(world);
+  while (thinning.work(world)) {
+  }
+  return thinning.needless();
+}
+
+SubmapNumbers leave_out(const std::vector<int>& needless, KeyframeStore& store, PoseGraph& graph,
+                        std::vector<Submap>& submaps) {
+  Ties ties(graph);
+  std::vector<int> stands_for(submaps.size());
+  std::iota(stands_for.begin(), stands_for.end(), 0);
+  std::vector<bool> is_gone(static_cast<std::size_t>(store.size()), false);
   for (const int each : needless) {  // the oldest first: the heirs are newer
-    ties.hand_over(each);
-    number[static_cast<std::size_t>(each)] = kGone;
+    const auto at = static_cast<std::size_t>(each);
+    stands_for[at] = ties.hand_over(each);
+    std::fill_n(is_gone.begin() + submaps[at].first_keyframe, submaps[at].keyframes, true);
   }
-  std::optional<OdometryStretch> left_out;  // since the last keyframe that stays on the same path
-  for (int i = 0; i < world.graph.size(); ++i) {
-    const bool stays = number[static_cast<std::size_t>(i)] != kGone;
-    Submap submap = world.submaps[static_cast<std::size_t>(i)];
-    const int first = store.size();
-    for (int k = submap.first_keyframe; k < submap.end_keyframe(); ++k) {
-      Keyframe keyframe = world.store[k];
-      left_out = goes_on(world.store, k) ? left_out : std::nullopt;
-      keyframe.since_last = left_out ? left_out->then(keyframe.since_last) : keyframe.since_last;
-      left_out = stays ? std::nullopt : std::optional(keyframe.since_last);
-      if (stays) {
-        store.place(store.add(keyframe, world.store.codes(k)), world.store.submap_T_scan(k));
-      }
-    }
-    if (stays) {
-      submap.first_keyframe = first;
-      number[static_cast<std::size_t>(i)] = graph.add_node(world.graph.pose(i));
-      submaps.push_back(submap);
+  take_out(is_gone, store);
+  const std::vector<Pose2> poses(graph.poses().begin(), graph.poses().end());
+  std::vector<Submap> before = std::exchange(submaps, {});
+  submaps.reserve(before.capacity());
+  graph.clear();
+  SubmapNumbers numbers(before.size());
+  int keyframes = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (stands_for[i] == static_cast<int>(i)) {
+      numbers.now[i] = graph.add_node(poses[i]);
+      before[i].first_keyframe = keyframes;
+      keyframes += before[i].keyframes;
+      submaps.push_back(before[i]);
     }
   }
-  ties.for_each([&](Constraint each) {
-    each.from = number[static_cast<std::size_t>(each.from)];
-    each.to = number[static_cast<std::size_t>(each.to)];
+  for (std::size_t i = before.size(); i-- > 0;) {
+    const auto heir = static_cast<std::size_t>(stands_for[i]);
+    numbers.heir[i] = heir == i ? numbers.now[i] : numbers.heir[heir];
+  }
+  std::vector<Constraint> constraints = ties.constraints();
+  for (Constraint& each : constraints) {
+    each.from = numbers.now[static_cast<std::size_t>(each.from)];
+    each.to = numbers.now[static_cast<std::size_t>(each.to)];
+  }
+  std::ranges::stable_sort(constraints, {}, [](const Constraint& each) { return std::max(each.from, each.to); });
+  for (const Constraint& each : constraints) {
     graph.add(each);
-  });
+  }
+  return numbers;
 }
 
 }  // namespace odoless

@@ -105,8 +105,7 @@ Machine::Machine(DaemonOptions& options)
       publisher_.attach(options.params.robot, options.seed);
       if (!options.params.world.file.empty()) {
         publisher_.keep_world(options.params.world,
-                              {"", options.version, options.configuration, static_cast<std::int64_t>(options.seed)},
-                              options.params.robot.graph.keyframes_max);
+                              {"", options.version, options.configuration, static_cast<std::int64_t>(options.seed)});
       }
     }
     if (options.params.mapping_in_use()) {

@@ -130,8 +130,10 @@ bool GraphFeed::draw() {
   if (drawn_revision_ != graph_->revision() || drawn_keyframes_ != graph_->keyframes().size()) {
     drawn_revision_ = graph_->revision();
     drawn_keyframes_ = graph_->keyframes().size();
-    if (const int part = mapped_part(*graph_); std::exchange(drawn_part_, part) != part) {
-      make_tiles();  // the map may be of another part now
+    const int part = mapped_part(*graph_);
+    const bool is_of_another_part = std::exchange(drawn_part_, part) != part;
+    if (std::exchange(drawn_thinnings_, graph_->thinnings()) != graph_->thinnings() || is_of_another_part) {
+      make_tiles();
     }
     tiles_->update(graph_->map());
   }
@@ -278,7 +280,8 @@ void GraphFeed::follow() {
   if (was_localising == is_localising_ || !follower_) {
     return;
   }
-  follower_(is_localising_ ? WorldUse::kLocalise : WorldUse::kContinue, map_number_, graph_->mapped_keyframes());
+  follower_(is_localising_ ? WorldUse::kLocalise : WorldUse::kContinue, map_number_,
+            graph_->keyframes().serial(graph_->mapped_keyframes()));
   for (std::size_t i = taken_; i < pushed_; ++i) {
     const Job& job = jobs_[i % kJobs];
     observer_(job.keyframe, job.codes);
@@ -292,7 +295,7 @@ void GraphFeed::make_tiles() {
 void GraphFeed::begin_anew() {
   graph_.emplace(params_.graph, params_.limits, params_.scan, seed_);
   make_tiles();
-  drawn_part_ = 0;
+  drawn_part_ = drawn_thinnings_ = 0;
   drawn_revision_ = drawn_keyframes_ = 0;
   const std::lock_guard lock(queue_mutex_);
   filter_.emplace(params_.graph);

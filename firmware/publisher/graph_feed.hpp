@@ -35,8 +35,9 @@ class GraphFeed {
 
   using Patience = std::chrono::milliseconds;
   using Observer = std::function<void(const Keyframe&, std::span<const BeamCode>)>;
-  /// What the graph does with its world from now on. @param keyframes  That the world has by now.
-  using Follower = std::function<void(WorldUse, int map_number, int keyframes)>;
+  /// What the graph does with its world from now on. @param next_serial  Of the first keyframe that is none of the
+  /// world's.
+  using Follower = std::function<void(WorldUse, int map_number, int next_serial)>;
 
   /// @param lossless  No keyframe is left out: `add` waits.
   GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossless);
@@ -149,6 +150,7 @@ class GraphFeed {
   std::int64_t drawn_revision_ = 0;
   int drawn_keyframes_ = 0;
   int drawn_part_ = 0;
+  int drawn_thinnings_ = 0;
   int map_number_ = 0;
   bool is_localising_ = false;  ///< that was told; as the rest of `health_`
   bool is_finished_ = false;

@@ -34,10 +34,10 @@ void Publisher::attach(const RobotParams& robot, std::uint64_t seed) {
   graph_ = std::make_unique<GraphFeed>(robot, seed, pipeline_.lossless);
 }
 
-void Publisher::keep_world(const WorldParams& params, const SessionRecord& session, int keyframes_max) {
-  world_ = std::make_unique<WorldKeeper>(params, session, keyframes_max);
+void Publisher::keep_world(const WorldParams& params, const SessionRecord& session) {
+  world_ = std::make_unique<WorldKeeper>(params, session);
   graph_->tell([this](const Keyframe& keyframe, std::span<const BeamCode> codes) { world_->add(keyframe, codes); },
-               [this](WorldUse use, int map_number, int keyframes) { world_->follow(use, map_number, keyframes); });
+               [this](WorldUse use, int map_number, int next_serial) { world_->follow(use, map_number, next_serial); });
 }
 
 // The file follows the graph; but mapping goes on only where the file can be written.

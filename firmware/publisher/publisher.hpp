@@ -53,7 +53,7 @@ class Publisher {
   /// Before the first round: the pose graph is fed, and what is saved is its own.
   void attach(const RobotParams& robot, std::uint64_t seed);
   /// After the graph: what it is fed with is kept in a world file as well.
-  void keep_world(const WorldParams& params, const SessionRecord& session, int keyframes_max);
+  void keep_world(const WorldParams& params, const SessionRecord& session);
   /// Null: there is none.
   [[nodiscard]] WorldKeeper* world() { return world_.get(); }
   /// Starts the threads of graph and world file, where they are. @return  0, or an errno.

@@ -5,16 +5,11 @@
 #include <cerrno>
 #include <utility>
 
+#include "core/graph/world_thinning.hpp"
 #include "firmware/world/thinned_world.hpp"
 #include "firmware/world/world_reader.hpp"
 
 namespace odoless {
-namespace {
-
-constexpr double kCrowded = 0.75;    // share of the pools
-constexpr double kWorthwhile = 0.1;  // of the submaps
-
-}  // namespace
 
 FileFailure ContinuedWorld::read(WorldFile& file, const RobotParams& params, WorldUse use) {
   WorldReading reading = read_world(file, params);
@@ -36,12 +31,13 @@ FileFailure ContinuedWorld::read(WorldFile& file, const RobotParams& params, Wor
 }
 
 int ContinuedWorld::make_room(WorldFile& file, const GraphParams& params) {
-  if (!stored_ || share_of_pools(stored_->world(), params) < kCrowded) {
+  if (!stored_ || share_of_pools(stored_->world(), params) < kCrowded_share) {
     return 0;
   }
   std::unique_ptr<StoredWorld> thin = thinned(*stored_);
   const int left_out = thin ? stored_->graph.size() - thin->graph.size() : 0;
-  if (left_out == 0 || left_out < kWorthwhile * stored_->graph.size() || file.renew(*thin).any()) {
+  if (!is_worth_leaving_out(static_cast<std::size_t>(left_out), stored_->submaps.size()) ||
+      leave_out(file, *stored_, *thin).any()) {
     return 0;
   }
   stored_ = std::move(thin);

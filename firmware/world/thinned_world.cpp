@@ -4,17 +4,17 @@
 #include <vector>
 
 #include "core/graph/world_thinning.hpp"
+#include "firmware/world/world_mirror.hpp"
 
 namespace odoless {
 
 namespace {
 
 std::unique_ptr<StoredWorld> without(const StoredWorld& world, const std::vector<int>& needless) {
-  auto thin = std::make_unique<StoredWorld>(world.store.size(), world.store.most_beams(), world.graph.size(),
-                                            static_cast<int>(world.graph.constraints().size()));
-  copy_without(world.world(), needless, thin->store, thin->graph, thin->submaps);
-  thin->identity = world.identity;
+  auto thin = std::make_unique<StoredWorld>(world);
+  static_cast<void>(leave_out(needless, thin->store, thin->graph, thin->submaps));
   thin->submaps_in_file = thin->graph.size();
+  thin->sessions.clear();
   int submap = 0;
   int keyframe = 0;
   for (StoredSession session : world.sessions) {
@@ -26,9 +26,9 @@ std::unique_ptr<StoredWorld> without(const StoredWorld& world, const std::vector
     const int end = submap > 0 ? thin->submaps[static_cast<std::size_t>(submap) - 1].end_keyframe() : 0;
     session.keyframes = end - keyframe;
     keyframe = end;
-    if (session.submaps == 0) {
-      session.odometry.clear();
-    }
+    std::erase_if(session.odometry, [&](const StampedPose& each) {
+      return session.submaps == 0 || each.stamp_ns < thin->store[session.first_keyframe].stamp_ns;
+    });
     thin->sessions.push_back(std::move(session));
   }
   return thin;
@@ -44,6 +44,12 @@ std::unique_ptr<StoredWorld> thinned(const StoredWorld& world) {
     thin = without(*left, needless);
   }
   return thin;
+}
+
+FileFailure leave_out(WorldFile& file, const StoredWorld& world, const StoredWorld& thin) {
+  WorldChanges changes;
+  static_cast<void>(WorldMirror(world.world()).collect(thin.world(), thin.store.size(), changes));
+  return file.write({}, changes);
 }
 
 }  // namespace odoless

@@ -39,10 +39,19 @@ struct WorldPlace {
 struct StoredKeyframe {
   Keyframe keyframe;
   std::vector<BeamCode> codes;
+  int serial = 0;  ///< KeyframeStore's
 };
 
-/// What a file does not have yet of a session. Numbers count from the session's first.
+/// What a file does not have yet of a session. Numbers count from the session's first, without what is left out.
 struct WorldChanges {
+  /// Keyframes that the file has, by their numbers there, and that the map has no more. Then all submaps and
+  /// constraints are new: the file's are of other numbers.
+  std::vector<int> left_out;
+  struct Way {
+    int keyframe = 0;
+    OdometryStretch since_last;
+  };
+  std::vector<Way> ways;  ///< over what was left out
   int first_keyframe = 0;
   std::vector<StoredKeyframe> keyframes;
   int first_submap = 0;
@@ -62,7 +71,8 @@ struct WorldChanges {
   std::vector<StampedPose> odometry;
 
   [[nodiscard]] bool is_map_changed() const {
-    return !keyframes.empty() || !submaps.empty() || !moved.empty() || !constraints.empty() || !weighted.empty();
+    return !left_out.empty() || !keyframes.empty() || !submaps.empty() || !moved.empty() || !constraints.empty() ||
+           !weighted.empty();
   }
   [[nodiscard]] bool is_empty() const { return !is_map_changed() && odometry.empty(); }
 };

@@ -211,64 +211,25 @@ FileFailure WorldFile::transact(const std::function<bool()>& change) {
 }
 
 FileFailure WorldFile::renew_graph(const StoredWorld& world) {
-  FileFailure failed = transact([&] { return erase_graph() && insert_graph(world) && grow_revision(); });
-  identity_.revision += failed.any() ? 0 : 1;
-  return failed;
-}
-
-FileFailure WorldFile::renew(const StoredWorld& world) {
-  FileFailure failed =
-      transact([&] { return erase_graph() && replace_keyframes(world) && insert_graph(world) && grow_revision(); });
-  identity_.revision += failed.any() ? 0 : 1;
-  return failed;
-}
-
-bool WorldFile::erase_graph() {
-  return Statement(database_, "DELETE FROM submap_constraint").run() &&
-         Statement(database_, "DELETE FROM submap").run();
-}
-
-bool WorldFile::insert_graph(const StoredWorld& world) {
-  for (const StoredSession& session : world.sessions) {
-    WorldChanges changes;
-    changes.first_submap = session.first_submap;
-    for (int i = session.first_submap; i < session.first_submap + session.submaps; ++i) {
-      changes.submaps.push_back(world.submaps[static_cast<std::size_t>(i)]);
-      changes.moved.push_back({i, world.graph.pose(i)});
-    }
-    if (!insert_submaps({.session = session.id}, changes)) {
-      return false;
-    }
-  }
   WorldChanges changes;
+  changes.submaps = world.submaps;
+  for (int i = 0; i < world.graph.size(); ++i) {
+    changes.moved.push_back({i, world.graph.pose(i)});
+  }
   changes.constraints.assign(world.graph.constraints().begin(), world.graph.constraints().end());
-  return insert_constraints({}, changes);
+  FileFailure failed = transact([&] { return erase_graph({}) && insert({}, changes); });
+  identity_.revision += failed.any() ? 0 : 1;
+  return failed;
 }
 
-bool WorldFile::replace_keyframes(const StoredWorld& world) {
-  if (!Statement(database_, "DELETE FROM keyframe").run()) {
-    return false;
-  }
-  Statement forget(database_, "DELETE FROM odometry WHERE session = ?");
-  for (const StoredSession& session : world.sessions) {
-    for (int k = session.first_keyframe; k < session.first_keyframe + session.keyframes; ++k) {
-      const std::span<const BeamCode> codes = world.store.codes(k);
-      WorldChanges changes;
-      changes.first_keyframe = k;
-      changes.keyframes.push_back({world.store[k], {codes.begin(), codes.end()}});
-      if (!insert_keyframes({.session = session.id}, changes)) {
-        return false;
-      }
-    }
-    if (session.odometry.empty() && !forget.run(session.id)) {
-      return false;
-    }
-  }
-  return true;
+bool WorldFile::erase_graph(const WorldPlace& place) {
+  return Statement(database_, "DELETE FROM submap_constraint WHERE id >= ?").run(place.constraint) &&
+         Statement(database_, "DELETE FROM submap WHERE id >= ?").run(place.submap);
 }
 
 bool WorldFile::insert(const WorldPlace& place, const WorldChanges& changes) {
-  if (!insert_keyframes(place, changes) || !insert_submaps(place, changes) || !insert_constraints(place, changes)) {
+  if (!erase_left_out(place, changes) || !insert_keyframes(place, changes) || !insert_submaps(place, changes) ||
+      !insert_constraints(place, changes)) {
     return false;
   }
   if (!changes.odometry.empty()) {
@@ -276,6 +237,9 @@ bool WorldFile::insert(const WorldPlace& place, const WorldChanges& changes) {
     if (!odometry.run(place.session, pack_poses(changes.odometry))) {
       return false;
     }
+  }
+  if (!changes.left_out.empty() && !forget_odometry()) {
+    return false;
   }
   return !changes.is_map_changed() || grow_revision();
 }
@@ -299,10 +263,10 @@ bool WorldFile::insert_keyframes(const WorldPlace& place, const WorldChanges& ch
 bool WorldFile::insert_submaps(const WorldPlace& place, const WorldChanges& changes) {
   Statement insert(database_,
                    "INSERT INTO submap (id, session, first_keyframe, keyframes, map_x_m, map_y_m, map_yaw_rad) "
-                   "VALUES (?, ?, ?, ?, 0.0, 0.0, 0.0)");
+                   "SELECT ?, session, id, ?, 0.0, 0.0, 0.0 FROM keyframe WHERE id = ?");
   std::int64_t id = place.submap + changes.first_submap;
   for (const Submap& each : changes.submaps) {
-    if (!insert.run(id++, place.session, place.keyframe + each.first_keyframe, each.keyframes)) {
+    if (!insert.run(id++, each.keyframes, place.keyframe + each.first_keyframe)) {
       return false;
     }
   }

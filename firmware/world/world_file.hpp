@@ -32,7 +32,8 @@ class WorldFile {
 
   /// A session's record. @param place  Set: where it goes.
   FileFailure begin(const SessionRecord& session, WorldPlace& place);
-  /// All of it or nothing, in one transaction.
+  /// All of it or nothing, in one transaction. What is left
+  /// out takes the odometry of its session along, up to the first keyframe that stays.
   FileFailure write(const WorldPlace& place, const WorldChanges& changes);
   /// Takes out the last session's keyframes from that one on, which are in no submap.
   FileFailure erase_keyframes(const WorldPlace& place, int from);
@@ -40,8 +41,6 @@ class WorldFile {
   /// Writes all submaps and constraints anew, as a world that was read has them: with those that were made then, and
   /// its numbers. All of it or nothing.
   FileFailure renew_graph(const StoredWorld& world);
-  /// The same, with the keyframes, and without the odometry of sessions that the world has none of.
-  FileFailure renew(const StoredWorld& world);
 
   /// Writes all of it to another file, which is not there, as small as it can be. What fails leaves none.
   FileFailure copy_to(const std::filesystem::path& to);
@@ -62,11 +61,11 @@ class WorldFile {
   FileFailure read_identity();
   /// One transaction. @param change  Says whether it could.
   FileFailure transact(const std::function<bool()>& change);
-  [[nodiscard]] bool erase_graph();
-  [[nodiscard]] bool insert_graph(const StoredWorld& world);
-  /// While there is no graph, which they belong to.
-  [[nodiscard]] bool replace_keyframes(const StoredWorld& world);
+  [[nodiscard]] bool erase_graph(const WorldPlace& place);
+  [[nodiscard]] bool erase_left_out(const WorldPlace& place, const WorldChanges& changes);
   [[nodiscard]] bool insert(const WorldPlace& place, const WorldChanges& changes);
+  [[nodiscard]] bool forget_odometry();
+  [[nodiscard]] bool forget_odometry(std::int64_t session, std::int64_t before_ns);
   [[nodiscard]] bool grow_revision();
   [[nodiscard]] bool insert_keyframes(const WorldPlace& place, const WorldChanges& changes);
   [[nodiscard]] bool insert_submaps(const WorldPlace& place, const WorldChanges& changes);

@@ -20,11 +20,8 @@ constexpr GraphFeed::Patience kAtTheEnd = std::chrono::seconds(60);
 
 }  // namespace
 
-WorldKeeper::WorldKeeper(const WorldParams& params, SessionRecord session, int keyframes_max)
-    : params_(params),
-      session_(std::move(session)),
-      keyframes_max_(keyframes_max),
-      thread_({.name = "odo-world", .stack_bytes = kStack_bytes}) {
+WorldKeeper::WorldKeeper(const WorldParams& params, SessionRecord session)
+    : params_(params), session_(std::move(session)), thread_({.name = "odo-world", .stack_bytes = kStack_bytes}) {
   report_.file = params.file;
   report_.is_read_only = params.mode == WorldUse::kLocalise;
   // Memory that was used once stays with the process (MemoryLock).
@@ -52,7 +49,7 @@ FileFailure WorldKeeper::open(GraphFeed& graph) {
   }
   if (const StoredWorld* const stored = world.stored(); !failed.any() && stored != nullptr) {
     mirror_ = world.mirror();
-    continued_ = mirror_.keyframes();
+    continued_ = mirror_.next_serial();
     is_all_in_file_ = !report_.is_read_only || static_cast<int>(stored->submaps.size()) == stored->submaps_in_file;
     if (!graph.resume(stored->world(), params_.mode, last_place(*stored))) {
       failed = {EOVERFLOW, no_room_sentence(*stored, graph.params().graph)};
@@ -96,11 +93,11 @@ std::int64_t WorldKeeper::since_progress_ns() const {
 WorldKeeper::Batch& WorldKeeper::batch_of(int map_number) {
   if (batches_.empty() || batches_.back().map_number != map_number) {
     if (batches_.size() == kMaps_max) {
-      report_.keyframes_lost += batches_[1].seen;  // the first one may be under way
+      report_.keyframes_lost += batches_[1].next_serial;  // the first one may be under way
       batches_.erase(batches_.begin() + 1);
     }
     const int first = batches_.empty() ? continued_ : 0;
-    batches_.push_back({.map_number = map_number, .seen = first, .keyframes = {}, .odometry = {}});
+    batches_.push_back({.map_number = map_number, .next_serial = first, .keyframes = {}, .odometry = {}});
   }
   return batches_.back();
 }
@@ -111,14 +108,10 @@ void WorldKeeper::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
     return;
   }
   Batch& batch = batch_of(keyframe.map_number);
-  if (batch.seen == keyframes_max_) {
-    return;  // the pose graph takes no more either
-  }
   if (batch.keyframes.size() == kKeyframes_max) {
     batch.keyframes.clear();  // the pose graph has them
   }
-  batch.keyframes.push_back({keyframe, {codes.begin(), codes.end()}});
-  ++batch.seen;
+  batch.keyframes.push_back({keyframe, {codes.begin(), codes.end()}, batch.next_serial++});
 }
 
 void WorldKeeper::add(const StampedPose& odom_T_scan, int map_number) {
@@ -237,9 +230,9 @@ int WorldKeeper::take(WorldChanges& changes) {
   }
   Batch& batch = batches_.front();
   changes.odometry = std::exchange(batch.odometry, {});
-  const int first = batch.seen - static_cast<int>(batch.keyframes.size());
+  const int first = batch.next_serial - static_cast<int>(batch.keyframes.size());
   changes.first_keyframe = mirror_.keyframes();
-  if (first == mirror_.keyframes()) {  // else some are missing, which the graph has
+  if (first == mirror_.next_serial()) {  // else some are missing, which the graph has
     changes.keyframes = std::exchange(batch.keyframes, {});
   }
   batch.keyframes.clear();
@@ -260,7 +253,7 @@ bool WorldKeeper::begin_next_map() {
   if (!batches_.front().keyframes.empty() || !batches_.front().odometry.empty()) {
     return true;  // came while the rest was written
   }
-  report_.keyframes_lost += batches_.front().seen - mirror_.keyframes();
+  report_.keyframes_lost += batches_.front().next_serial - mirror_.next_serial();
   batches_.pop_front();
   place_.reset();
   mirror_ = WorldMirror();
@@ -276,8 +269,8 @@ void WorldKeeper::note(const FileFailure& failed) {
     report_.reason = failed.text;
     report_.uuid = file_.is_open() ? file_.identity().uuid : report_.uuid;
     report_.revision = file_.is_open() ? file_.identity().revision : report_.revision;
-    report_.keyframes = std::max(0, mirror_.keyframes() - continued_);
-    report_.not_written = batches_.empty() ? 0 : std::max(0, batches_.front().seen - mirror_.keyframes());
+    report_.keyframes = mirror_.keyframes() - mirror_.keyframes_before(continued_);
+    report_.not_written = batches_.empty() ? 0 : std::max(0, batches_.front().next_serial - mirror_.next_serial());
     report_.session = place_ ? place_->session : 0;
     progress_ns_ = monotonic_ns();
     written_ns_ = failed.any() ? written_ns_ : progress_ns_;

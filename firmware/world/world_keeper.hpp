@@ -37,9 +37,8 @@ class WorldKeeper {
   static constexpr std::size_t kStack_bytes = std::size_t{1} << 20;
   static constexpr std::size_t kScratch_bytes = std::size_t{6} << 20;  ///< SQLite's pages, and what waits
 
-  /// @param session        Of its configuration; `started` is set here.
-  /// @param keyframes_max  Of the pose graph.
-  WorldKeeper(const WorldParams& params, SessionRecord session, int keyframes_max);
+  /// @param session  Of its configuration; `started` is set here.
+  WorldKeeper(const WorldParams& params, SessionRecord session);
   ~WorldKeeper();
   WorldKeeper(const WorldKeeper&) = delete;
   WorldKeeper& operator=(const WorldKeeper&) = delete;
@@ -55,7 +54,7 @@ class WorldKeeper {
   /// Every scan's odom_T_scan.
   void add(const StampedPose& odom_T_scan, int map_number);
   /// The graph has gone over (GraphFeed::Follower).
-  void follow(WorldUse use, int map_number, int keyframes);
+  void follow(WorldUse use, int map_number, int next_serial);
   /// Any thread: opens the file again, on the keeper's thread, and has the graph go over to mapping. Refused where the
   /// file is another by now, or has changed: `report` says so.
   void begin_mapping();
@@ -73,7 +72,7 @@ class WorldKeeper {
   /// What waits of one map.
   struct Batch {
     int map_number = 0;
-    int seen = 0;  ///< keyframes of the graph, written or not; `keyframes` are the last of them
+    int next_serial = 0;  ///< of the graph's next keyframe; `keyframes` are the last ones before it
     std::vector<StoredKeyframe> keyframes;
     std::vector<StampedPose> odometry;
   };
@@ -111,11 +110,10 @@ class WorldKeeper {
 
   WorldParams params_;
   SessionRecord session_;
-  int keyframes_max_;
   WorldFile file_;
   std::optional<WorldPlace> place_;
   WorldMirror mirror_;
-  int continued_ = 0;           ///< keyframes that the world had; the first map's numbers go on from there
+  int continued_ = 0;           ///< serial of the first keyframe that the world did not have
   bool is_all_in_file_ = true;  ///< else submaps were made of keyframes that were in none
   GraphFeed* graph_ = nullptr;
 
@@ -123,7 +121,7 @@ class WorldKeeper {
   std::condition_variable changed_;
   std::deque<Batch> batches_;
   Use use_ = Use::kMapped;
-  int world_keyframes_ = 0;  ///< when the graph went over last
+  int world_end_ = 0;  ///< serial of the first keyframe that was none of the world's when the graph went over last
   WorldReport report_;
   std::int64_t written_ns_ = 0;
   std::int64_t progress_ns_ = 0;

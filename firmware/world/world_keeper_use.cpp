@@ -16,7 +16,7 @@ WorldKeeper::Use WorldKeeper::use() const {
 }
 
 // What waits of keyframes is in the graph, or no part of the world.
-void WorldKeeper::follow(WorldUse use, int map_number, int keyframes) {
+void WorldKeeper::follow(WorldUse use, int map_number, int next_serial) {
   const std::lock_guard lock(mutex_);
   if (use == WorldUse::kContinue) {
     use_ = Use::kMapped;
@@ -28,9 +28,9 @@ void WorldKeeper::follow(WorldUse use, int map_number, int keyframes) {
       batches_.pop_back();
     }
   }
-  world_keyframes_ = keyframes;
+  world_end_ = next_serial;
   Batch& batch = batch_of(map_number);
-  batch.seen = keyframes;
+  batch.next_serial = next_serial;
   batch.keyframes.clear();
 }
 
@@ -49,9 +49,9 @@ void WorldKeeper::end_mapping(GraphFeed::Patience patience) {
       is_written = !has_more;
     }
   }
-  if (is_written && mirror_.keyframes() > world_keyframes_) {
-    failed = file_.erase_keyframes(*place_, world_keyframes_);
-    mirror_.forget_keyframes(world_keyframes_);
+  if (is_written && mirror_.next_serial() > world_end_) {
+    failed = file_.erase_keyframes(*place_, mirror_.keyframes_before(world_end_));
+    mirror_.forget_keyframes(world_end_);
   }
   if (is_written || failed.any()) {
     note(failed);
@@ -111,7 +111,7 @@ FileFailure WorldKeeper::open_again() {
     place_ = place_.value_or(WorldPlace{});
     place_->session = place.session;
     const std::lock_guard lock(mutex_);
-    continued_ = mirror_.keyframes();
+    continued_ = mirror_.next_serial();
   }
   return failed;
 }

@@ -59,7 +59,7 @@ class KeptWorld : public ::testing::Test {
     params.graph = graph;
     feed_ = std::make_unique<GraphFeed>(params, 1, true);
     keeper_ = std::make_unique<WorldKeeper>(WorldParams{.file = path().string(), .mode = mode, .write_every_s = 0.1},
-                                            SessionRecord{"", "1.2.3", "", 1}, graph.keyframes_max);
+                                            SessionRecord{"", "1.2.3", "", 1});
     feed_->tell([this](const Keyframe& keyframe, std::span<const BeamCode> codes) { keeper_->add(keyframe, codes); },
                 [this](WorldUse use, int map, int keyframes) { keeper_->follow(use, map, keyframes); });
     const FileFailure failed = keeper_->open(*feed_);
@@ -137,11 +137,20 @@ class KeptWorld : public ::testing::Test {
     EXPECT_TRUE(feed_->look(std::chrono::seconds(60), [&](const SubmapGraph& graph, int) {
       ASSERT_EQ(world->store.size(), graph.mapped_keyframes());
       for (int i = 0; i < world->store.size(); ++i) {
-        ASSERT_EQ(world->store[i].stamp_ns, graph.keyframes()[i].stamp_ns) << i;
+        ASSERT_TRUE(test::is_same(world->store[i], graph.keyframes()[i])) << i;
+        ASSERT_TRUE(std::ranges::equal(world->store.codes(i), graph.keyframes().codes(i))) << i;
       }
       ASSERT_EQ(world->submaps_in_file, graph.map().submaps.size());
       for (int i = 0; i < world->submaps_in_file; ++i) {
         EXPECT_TRUE(test::is_same(world->graph.pose(i), graph.graph().pose(i))) << i;
+      }
+      const std::span<const Constraint> constraints = world->graph.constraints();
+      ASSERT_LE(constraints.size(), graph.graph().constraints().size()) << "of a path are more";
+      for (std::size_t i = 0; i < constraints.size(); ++i) {
+        const Constraint& each = graph.graph().constraints()[i];
+        EXPECT_EQ(constraints[i].from, each.from) << i;
+        EXPECT_EQ(constraints[i].to, each.to) << i;
+        EXPECT_EQ(constraints[i].weight, each.weight) << i;
       }
     }));
   }
@@ -252,6 +261,77 @@ TEST_F(KeptWorld, IsClosedWhenItIsFull) {
   drive(4);
   end();
   EXPECT_EQ(content(), before);
+}
+
+/// Pools that the robot fills in three rounds.
+class KeptWorldThatIsCrowded : public KeptWorld {
+ protected:
+  static constexpr int kRound_scans = 304;
+
+  void SetUp() override { start(few_submaps(), WorldUse::kContinue); }
+  static GraphParams few_submaps() {
+    GraphParams params;
+    params.submaps_max = 56;
+    return params;
+  }
+  [[nodiscard]] int thinnings() {
+    int thinnings = 0;
+    EXPECT_TRUE(
+        feed_->look(std::chrono::seconds(60), [&](const SubmapGraph& graph, int) { thinnings = graph.thinnings(); }));
+    return thinnings;
+  }
+  [[nodiscard]] bool is_all_written() {
+    return wait_until([&] { return keeper_->report().keyframes == feed_->health().keyframes; });
+  }
+};
+
+TEST_F(KeptWorldThatIsCrowded, LosesWhatTheGraphLeavesOut) {
+  for (int i = 0; i < 30; ++i) {
+    drive(kRound_scans / 4);
+    ASSERT_TRUE(is_all_written());
+    const std::unique_ptr<StoredWorld> world = read(path());  // as after a power cut
+    EXPECT_EQ(connected_submaps(world->graph, 0).size(), world->submaps.size()) << i;
+  }
+  EXPECT_GT(thinnings(), 1);
+  EXPECT_FALSE(feed_->health().is_localising);
+  end();
+  expect_as_in_graph();
+  const std::unique_ptr<StoredWorld> world = read(path());
+  EXPECT_LT(world->submaps.size(), 50U);
+  ASSERT_EQ(world->sessions.size(), 1U);
+  EXPECT_EQ(world->sessions[0].odometry.front().stamp_ns, world->store[0].stamp_ns);
+  EXPECT_LT(world->sessions[0].odometry.size(), 5U * kRound_scans) << "of " << 30 * kRound_scans / 4;
+  WorldFile file;
+  ASSERT_FALSE(file.open_to_read(path()).any());
+  EXPECT_EQ(file.damage(), "");
+}
+
+TEST_F(KeptWorldThatIsCrowded, IsGoneOnWithAndClosedAndOpenedAsBefore) {
+  drive(4 * kRound_scans);
+  EXPECT_GT(thinnings(), 0);
+  ASSERT_TRUE(is_all_written());
+  keeper_.reset();  // as killed
+  start(few_submaps(), WorldUse::kContinue);
+  drive(40);
+  EXPECT_EQ(feed_->health().place, WorldPlaceKnown::kSure) << "where it was last";
+  ASSERT_TRUE(go_over(WorldUse::kLocalise));
+  drive(60);
+  ASSERT_TRUE(go_over(WorldUse::kContinue));
+  drive(4 * kRound_scans);
+  EXPECT_GT(thinnings(), 0);
+  EXPECT_EQ(feed_->health().place, WorldPlaceKnown::kSure);
+  end();
+  expect_as_in_graph();
+}
+
+TEST_F(KeptWorldThatIsCrowded, IsMadeAnewWhereItWasRemoved) {
+  drive(4 * kRound_scans);
+  EXPECT_GT(thinnings(), 0);
+  ASSERT_TRUE(is_all_written());
+  std::filesystem::remove(path());
+  drive(3 * kRound_scans);
+  end();
+  expect_as_in_graph();
 }
 
 // Keyframes go to the file before the graph has them: those that come while it goes over are of no world.

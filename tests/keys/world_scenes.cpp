@@ -19,7 +19,7 @@ std::string kept(const std::filesystem::path& folder, const DaemonParams& params
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   GraphFeed graph(params.robot, 1, false);
-  WorldKeeper keeper(params.world, {}, params.robot.graph.keyframes_max);
+  WorldKeeper keeper(params.world, {});
   if (const FileFailure failed = keeper.open(graph); failed.any()) {
     return failed.text;
   }

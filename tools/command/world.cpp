@@ -279,7 +279,7 @@ void run_thin(const WorldJob& job) {
     const std::unique_ptr<StoredWorld> thin = thinned(*reading.world);
     submaps = reading.world->graph.size();
     left = thin ? thin->graph.size() : submaps;
-    failed = thin ? file.renew(*thin) : FileFailure{};
+    failed = thin ? leave_out(file, *reading.world, *thin) : FileFailure{};
   }
   if (!failed.any()) {
     failed = file.compact();

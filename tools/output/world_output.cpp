@@ -36,7 +36,7 @@ WorldOutput::WorldOutput(std::filesystem::path path, const std::string& program,
 void WorldOutput::write(const SessionRecord& session, const SubmapGraph& graph, std::span<const StampedPose> odom) {
   WorldPlace place;
   WorldMirror mirror = world_.mirror();
-  if (graph.is_localising() && graph.mapped_keyframes() == mirror.keyframes()) {
+  if (graph.is_localising() && graph.keyframes().serial(graph.mapped_keyframes()) == mirror.next_serial()) {
     return file_.close();
   }
   FileFailure failed = file_.begin(session, place);

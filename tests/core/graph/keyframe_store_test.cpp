@@ -60,13 +60,17 @@ TEST(KeyframeStore, ForgetsKeyframesAndHasRoomForOthers) {
     EXPECT_EQ(add(store, frame_of(std::vector<float>(static_cast<std::size_t>(100 + i), 1.0F + static_cast<float>(i)))),
               i);
   }
-  store.erase(1, 2);
+  store.erase({false, true, true, false});
   ASSERT_EQ(store.size(), 2);
   EXPECT_EQ(store[1].beams, 103);
   EXPECT_NEAR(range_of(store.codes(1)[102]), 4.0F, 0.003F);
   EXPECT_EQ(add(store, frame_of(std::vector<float>(120, 7.0F))), 2);
   EXPECT_NEAR(range_of(store.codes(2)[0]), 7.0F, 0.003F);
   EXPECT_NEAR(range_of(store.codes(0)[0]), 1.0F, 0.003F);
+  EXPECT_EQ(store.serial(0), 0);
+  EXPECT_EQ(store.serial(1), 3) << "the same as ever";
+  EXPECT_EQ(store.serial(2), 4);
+  EXPECT_EQ(store.serial(3), 5) << "of the next one";
 }
 
 TEST(KeyframeStore, ThinsScansWithMoreBeamsThanItKeeps) {

@@ -21,14 +21,15 @@ constexpr Pose2 kSlight_drift{0.002, 0.0, 0.0002};
 /// A world without what is needless.
 struct Thin {
   explicit Thin(const SubmapWorld& of) : Thin(of, needless_submaps(of)) {}
-  Thin(const SubmapWorld& of, std::vector<int> without) : needless(std::move(without)) {
-    copy_without(of, needless, store, graph, submaps);
+  Thin(const SubmapWorld& of, std::vector<int> without)
+      : needless(std::move(without)), store(of.store), graph(of.graph), submaps(of.submaps.begin(), of.submaps.end()) {
+    static_cast<void>(leave_out(needless, store, graph, submaps));
   }
   [[nodiscard]] SubmapWorld world() const { return {store, graph, submaps, std::nullopt, graph.largest_component()}; }
 
   std::vector<int> needless;
-  KeyframeStore store{4096, 181};
-  PoseGraph graph{512, 4096};
+  KeyframeStore store;
+  PoseGraph graph;
   std::vector<Submap> submaps;
 };
 
