@@ -13,9 +13,10 @@ KeyframeStore::KeyframeStore(int keyframes_max, int beams_max)
   loaded_m_.reserve(static_cast<std::size_t>(beams_max));
 }
 
-int KeyframeStore::add(const Keyframe& keyframe, std::span<const BeamCode> codes) {
-  ODOLESS_CHECK(!full() && codes.size() == static_cast<std::size_t>(keyframe.beams));
-  kept_.push_back({keyframe, {}, codes_.size(), added_++});
+int KeyframeStore::add(const Keyframe& keyframe, std::span<const BeamCode> codes, int serial) {
+  ODOLESS_CHECK(!full() && codes.size() == static_cast<std::size_t>(keyframe.beams) && serial >= next_serial_);
+  kept_.push_back({keyframe, {}, codes_.size(), serial});
+  next_serial_ = serial + 1;
   codes_.insert(codes_.end(), codes.begin(), codes.end());
   return size() - 1;
 }

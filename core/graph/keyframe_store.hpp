@@ -18,7 +18,9 @@ class KeyframeStore {
 
   [[nodiscard]] bool full() const { return kept_.size() == keyframes_max_; }
   /// Only when not full. @return  Its index.
-  int add(const Keyframe& keyframe, std::span<const BeamCode> codes);
+  int add(const Keyframe& keyframe, std::span<const BeamCode> codes) { return add(keyframe, codes, next_serial_); }
+  /// The same of a keyframe that has its serial number, higher than those before it.
+  int add(const Keyframe& keyframe, std::span<const BeamCode> codes, int serial);
   /// Takes out the keyframes for which that is so; those behind them have lower numbers. Linear.
   void erase(const std::vector<bool>& is_gone);
   /// In its submap's frame, once that is known.
@@ -27,8 +29,8 @@ class KeyframeStore {
   void set_since_last(int index, const OdometryStretch& since_last) { at(index).keyframe.since_last = since_last; }
 
   [[nodiscard]] int size() const { return static_cast<int>(kept_.size()); }
-  /// How many were added before a keyframe, whatever was taken out since: it never changes. Of the next one: of all.
-  [[nodiscard]] int serial(int index) const { return index < size() ? at(index).serial : added_; }
+  /// What a keyframe is known by, whatever is taken out before it: it grows with each. At the end: the next one's.
+  [[nodiscard]] int serial(int index) const { return index < size() ? at(index).serial : next_serial_; }
   [[nodiscard]] const Keyframe& operator[](int index) const { return at(index).keyframe; }
   [[nodiscard]] const Pose2& submap_T_scan(int index) const { return at(index).submap_T_scan; }
   /// Beams of the keyframe with the most.
@@ -51,7 +53,7 @@ class KeyframeStore {
   [[nodiscard]] const Kept& at(int index) const { return kept_[static_cast<std::size_t>(index)]; }
 
   std::size_t keyframes_max_;
-  int added_ = 0;
+  int next_serial_ = 0;
   std::vector<Kept> kept_;
   std::vector<BeamCode> codes_;
   mutable std::vector<float> loaded_m_;

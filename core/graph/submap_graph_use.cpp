@@ -13,7 +13,7 @@ bool SubmapGraph::resume(const SubmapWorld& world, WorldUse use) {
     return false;
   }
   for (int k = 0; k < keyframes; ++k) {
-    store_.add(world.store[k], world.store.codes(k));
+    store_.add(world.store[k], world.store.codes(k), world.store.serial(k));
     store_.place(k, world.store.submap_T_scan(k));
   }
   for (int i = 0; i < world.graph.size(); ++i) {

@@ -42,20 +42,20 @@ struct StoredKeyframe {
   int serial = 0;  ///< KeyframeStore's
 };
 
-/// What a file does not have yet of a session. Numbers count from the session's first, without what is left out.
+/// What a file does not have yet of a session. Keyframes go by their serial numbers; numbers of submaps and constraints
+/// count from the session's first.
 struct WorldChanges {
-  /// Keyframes that the file has, by their numbers there, and that the map has no more. Then all submaps and
-  /// constraints are new: the file's are of other numbers.
+  /// Keyframes that the file has and the map has no more. Then all submaps and constraints are new: the file's are of
+  /// other numbers.
   std::vector<int> left_out;
   struct Way {
     int keyframe = 0;
     OdometryStretch since_last;
   };
   std::vector<Way> ways;  ///< over what was left out
-  int first_keyframe = 0;
   std::vector<StoredKeyframe> keyframes;
   int first_submap = 0;
-  std::vector<Submap> submaps;
+  std::vector<Submap> submaps;  ///< `first_keyframe` is a serial number
   struct Moved {
     int submap = 0;
     Pose2 map_T_submap{};

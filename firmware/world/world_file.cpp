@@ -213,6 +213,9 @@ FileFailure WorldFile::transact(const std::function<bool()>& change) {
 FileFailure WorldFile::renew_graph(const StoredWorld& world) {
   WorldChanges changes;
   changes.submaps = world.submaps;
+  for (Submap& each : changes.submaps) {
+    each.first_keyframe = world.store.serial(each.first_keyframe);
+  }
   for (int i = 0; i < world.graph.size(); ++i) {
     changes.moved.push_back({i, world.graph.pose(i)});
   }
@@ -248,12 +251,12 @@ bool WorldFile::grow_revision() { return Statement(database_, "UPDATE world SET 
 
 bool WorldFile::insert_keyframes(const WorldPlace& place, const WorldChanges& changes) {
   Statement insert(database_, "INSERT INTO keyframe VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  std::int64_t id = place.keyframe + changes.first_keyframe;
   for (const StoredKeyframe& each : changes.keyframes) {
     const Keyframe& k = each.keyframe;
-    if (!insert.run(id++, place.session, k.stamp_ns, k.start_angle_rad, k.angle_step_rad, k.beams, k.map_number,
-                    k.odom_T_scan.x_m, k.odom_T_scan.y_m, k.odom_T_scan.yaw_rad, k.map_T_odom.x_m, k.map_T_odom.y_m,
-                    k.map_T_odom.yaw_rad, pack_stretch(k.since_last), pack_beams(each.codes))) {
+    if (!insert.run(place.keyframe + each.serial, place.session, k.stamp_ns, k.start_angle_rad, k.angle_step_rad,
+                    k.beams, k.map_number, k.odom_T_scan.x_m, k.odom_T_scan.y_m, k.odom_T_scan.yaw_rad,
+                    k.map_T_odom.x_m, k.map_T_odom.y_m, k.map_T_odom.yaw_rad, pack_stretch(k.since_last),
+                    pack_beams(each.codes))) {
       return false;
     }
   }

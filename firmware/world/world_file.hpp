@@ -35,7 +35,7 @@ class WorldFile {
   /// All of it or nothing, in one transaction. What is left
   /// out takes the odometry of its session along, up to the first keyframe that stays.
   FileFailure write(const WorldPlace& place, const WorldChanges& changes);
-  /// Takes out the last session's keyframes from that one on, which are in no submap.
+  /// Takes out the last session's keyframes from that serial number on, which are in no submap.
   FileFailure erase_keyframes(const WorldPlace& place, int from);
 
   /// Writes all submaps and constraints anew, as a world that was read has them: with those that were made then, and

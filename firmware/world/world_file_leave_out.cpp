@@ -8,26 +8,13 @@
 
 namespace odoless {
 
-// One by one and in their order: no number is taken when a keyframe gets it.
 bool WorldFile::erase_left_out(const WorldPlace& place, const WorldChanges& changes) {
-  if (changes.left_out.empty()) {
-    return true;
-  }
-  const std::int64_t end = integer_of(database_, "SELECT max(id) + 1 FROM keyframe");
+  bool is_done = changes.left_out.empty() || erase_graph(place);
   Statement erase(database_, "DELETE FROM keyframe WHERE id = ?");
-  Statement number(database_, "UPDATE keyframe SET id = ? WHERE id = ?");
-  Statement set_way(database_, "UPDATE keyframe SET since_last = ? WHERE id = ?");
-  bool is_done = erase_graph(place) && end >= 0;
-  auto gone = changes.left_out.begin();
-  std::int64_t next = place.keyframe + *gone;
-  for (std::int64_t id = next; is_done && id < end; ++id) {
-    if (gone != changes.left_out.end() && id == place.keyframe + *gone) {
-      is_done = erase.run(id);
-      ++gone;
-    } else {
-      is_done = number.run(next++, id);
-    }
+  for (const int serial : changes.left_out) {
+    is_done = is_done && erase.run(place.keyframe + serial);
   }
+  Statement set_way(database_, "UPDATE keyframe SET since_last = ? WHERE id = ?");
   for (const WorldChanges::Way& each : changes.ways) {
     is_done = is_done && set_way.run(pack_stretch(each.since_last), place.keyframe + each.keyframe);
   }

@@ -231,7 +231,6 @@ int WorldKeeper::take(WorldChanges& changes) {
   Batch& batch = batches_.front();
   changes.odometry = std::exchange(batch.odometry, {});
   const int first = batch.next_serial - static_cast<int>(batch.keyframes.size());
-  changes.first_keyframe = mirror_.keyframes();
   if (first == mirror_.next_serial()) {  // else some are missing, which the graph has
     changes.keyframes = std::exchange(batch.keyframes, {});
   }

@@ -50,7 +50,7 @@ void WorldKeeper::end_mapping(GraphFeed::Patience patience) {
     }
   }
   if (is_written && mirror_.next_serial() > world_end_) {
-    failed = file_.erase_keyframes(*place_, mirror_.keyframes_before(world_end_));
+    failed = file_.erase_keyframes(*place_, world_end_);
     mirror_.forget_keyframes(world_end_);
   }
   if (is_written || failed.any()) {

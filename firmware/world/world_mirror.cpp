@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 
 namespace odoless {
 namespace {
@@ -16,10 +15,10 @@ bool is_finite(const Pose2& pose) {
 
 }  // namespace
 
-WorldMirror::WorldMirror(const SubmapWorld& world)
-    : serials_(static_cast<std::size_t>(world.store.size())),
-      poses_(world.graph.poses().begin(), world.graph.poses().end()) {
-  std::iota(serials_.begin(), serials_.end(), 0);
+WorldMirror::WorldMirror(const SubmapWorld& world) : poses_(world.graph.poses().begin(), world.graph.poses().end()) {
+  for (int k = 0; k < world.store.size(); ++k) {
+    serials_.push_back(world.store.serial(k));
+  }
   for (const Constraint& each : world.graph.constraints()) {
     weights_.push_back(each.weight);
   }
@@ -37,8 +36,7 @@ bool WorldMirror::collect(const SubmapWorld& world, int keyframes, WorldChanges&
   const KeyframeStore& store = world.store;
   collect_left_out(store, keyframes, changes);
   const bool is_anew = !changes.left_out.empty();
-  changes.first_keyframe = this->keyframes() - static_cast<int>(changes.left_out.size());
-  int next = changes.first_keyframe + static_cast<int>(changes.keyframes.size());
+  int next = static_cast<int>(serials_.size() - changes.left_out.size() + changes.keyframes.size());
   const int most = next + kKeyframes_max;
   for (; next < std::min(keyframes, most); ++next) {
     const std::span<const BeamCode> codes = store.codes(next);
@@ -56,6 +54,7 @@ bool WorldMirror::collect(const SubmapWorld& world, int keyframes, WorldChanges&
     const bool is_new = count >= changes.first_submap;
     if (is_new) {
       changes.submaps.push_back(submap);
+      changes.submaps.back().first_keyframe = store.serial(submap.first_keyframe);
     }
     if (is_new || !is_same(pose, poses_[static_cast<std::size_t>(count)])) {
       changes.moved.push_back({count, pose});
@@ -67,18 +66,19 @@ bool WorldMirror::collect(const SubmapWorld& world, int keyframes, WorldChanges&
 
 // Those that the world does not know yet, for they go to the file first, are none of these.
 void WorldMirror::collect_left_out(const KeyframeStore& store, int keyframes, WorldChanges& changes) const {
+  bool is_behind_gap = false;
   int next = 0;
-  for (std::size_t i = 0; i < serials_.size() && serials_[i] < store.serial(keyframes); ++i) {
-    if (next < keyframes && serials_[i] == store.serial(next)) {
-      ++next;
-    } else {
-      changes.left_out.push_back(static_cast<int>(i));
+  for (const int serial : serials_) {
+    if (serial >= store.serial(keyframes)) {
+      return;
     }
-  }
-  for (int k = 0; k < next && !changes.left_out.empty(); ++k) {
-    if (const int before = k == 0 ? 0 : store.serial(k - 1) + 1; store.serial(k) != before) {
-      changes.ways.push_back({k, store[k].since_last});
+    const bool is_gone = next == keyframes || serial != store.serial(next);
+    if (is_gone) {
+      changes.left_out.push_back(serial);
+    } else if (const int k = next++; is_behind_gap) {
+      changes.ways.push_back({serial, store[k].since_last});
     }
+    is_behind_gap = is_gone;
   }
 }
 
@@ -102,16 +102,7 @@ void WorldMirror::collect_constraints(const PoseGraph& graph, int submaps, std::
 
 void WorldMirror::take(const WorldChanges& changes) {
   if (!changes.left_out.empty()) {
-    std::size_t stay = 0;
-    auto gone = changes.left_out.begin();
-    for (std::size_t i = 0; i < serials_.size(); ++i) {
-      if (gone != changes.left_out.end() && static_cast<std::size_t>(*gone) == i) {
-        ++gone;
-      } else {
-        serials_[stay++] = serials_[i];
-      }
-    }
-    serials_.resize(stay);
+    std::erase_if(serials_, [&](int serial) { return std::ranges::binary_search(changes.left_out, serial); });
     poses_.clear();
     weights_.clear();
   }

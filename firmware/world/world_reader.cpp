@@ -14,6 +14,7 @@ namespace {
 constexpr double kFarthest_m = 1e5;  // from the origin of its map
 constexpr double kAngle_rad = 100.0;
 constexpr int kBeams_max = 16384;
+constexpr std::int64_t kSerial_max = std::int64_t{1} << 30;
 constexpr std::int64_t kKeyframes_max = 4'000'000;
 constexpr std::int64_t kSubmaps_max = 200'000;
 constexpr std::int64_t kConstraints_max = 2'000'000;
@@ -118,11 +119,11 @@ class Reader {
     while (rows.next()) {
       const int at = world_->store.size();
       const int of = session_of(rows.integer(1));
-      if (rows.integer(0) != at || of < session) {
-        return fail("keyframe {}: number {} or a session was expected", rows.integer(0), at);
+      if (of < session) {
+        return fail("keyframe {}: its session cannot be", rows.integer(0));
       }
       if (!add_keyframe(rows)) {
-        return fail("keyframe {}: a number in it cannot be", at);
+        return fail("keyframe {}: a number in it cannot be", rows.integer(0));
       }
       session = of;
       StoredSession& mine = world_->sessions[static_cast<std::size_t>(of)];
@@ -141,9 +142,9 @@ class Reader {
     keyframe.odom_T_scan = pose_in(row, 7);
     keyframe.map_T_odom = pose_in(row, 10);
     const std::int64_t beams = row.integer(5);
-    if (beams < 1 || beams > kBeams_max || !(std::abs(keyframe.start_angle_rad) <= kAngle_rad) ||
-        !(std::abs(keyframe.angle_step_rad) <= kAngle_rad) || keyframe.angle_step_rad == 0.0 ||
-        !is_plausible(keyframe.odom_T_scan) || !is_plausible(keyframe.map_T_odom) ||
+    if (row.integer(0) < 0 || row.integer(0) > kSerial_max || beams < 1 || beams > kBeams_max ||
+        !(std::abs(keyframe.start_angle_rad) <= kAngle_rad) || !(std::abs(keyframe.angle_step_rad) <= kAngle_rad) ||
+        keyframe.angle_step_rad == 0.0 || !is_plausible(keyframe.odom_T_scan) || !is_plausible(keyframe.map_T_odom) ||
         !unpack_stretch(row.bytes(13), keyframe.since_last) || !is_plausible(keyframe.since_last.start_T_end)) {
       return false;
     }
@@ -152,7 +153,7 @@ class Reader {
     if (!unpack_beams(row.bytes(14), codes_)) {
       return false;
     }
-    world_->store.add(keyframe, codes_);
+    world_->store.add(keyframe, codes_, static_cast<int>(row.integer(0)));
     return true;
   }
 
@@ -170,10 +171,12 @@ class Reader {
       const std::int64_t first = rows.integer(2);
       const std::int64_t count = rows.integer(3);
       const int expected = next_keyframe(of);
-      if (first != expected || count < 1 || count > session.first_keyframe + session.keyframes - first) {
-        return fail("submap {}: {} keyframes from {} on, where {} comes next", at, count, first, expected);
+      if (first != world_->store.serial(expected) || count < 1 ||
+          count > session.first_keyframe + session.keyframes - expected) {
+        return fail("submap {}: {} keyframes from {} on, where {} comes next", at, count, first,
+                    world_->store.serial(expected));
       }
-      stored_.push_back(add_submap(of, static_cast<int>(first), static_cast<int>(count), pose_in(rows, 4)));
+      stored_.push_back(add_submap(of, expected, static_cast<int>(count), pose_in(rows, 4)));
     }
     return done(rows);
   }

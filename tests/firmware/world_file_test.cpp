@@ -337,7 +337,10 @@ TEST_F(World, SaysWhatIsWrongInIt) {
     EXPECT_FALSE(reading.world) << sql;
     return reading.wrong;
   };
-  EXPECT_THAT(wrong_after("DELETE FROM keyframe WHERE id = 11"), HasSubstr("keyframe 12: number 11"));
+  EXPECT_THAT(wrong_after("DELETE FROM keyframe WHERE id = 11"),
+              HasSubstr("submap 3: 5 keyframes from 15 on, where 16 comes next"));
+  EXPECT_THAT(wrong_after("UPDATE keyframe SET id = 99999999999 WHERE id = (SELECT max(id) FROM keyframe)"),
+              HasSubstr("keyframe 99999999999"));
   EXPECT_THAT(wrong_after("UPDATE keyframe SET ranges = x'00' WHERE id = 3"), HasSubstr("keyframe 3"));
   EXPECT_THAT(wrong_after("UPDATE keyframe SET odom_x_m = 9e999 WHERE id = 3"), HasSubstr("keyframe 3"));
   EXPECT_THAT(wrong_after("UPDATE keyframe SET beams = 1000000"), HasSubstr("cannot be"));
