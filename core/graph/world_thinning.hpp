@@ -19,7 +19,7 @@ inline constexpr double kCrowded_share = 0.75;
 /// place is what the last visits saw there, and a robot that goes the same ways day after day needs no more room than
 /// the ways do.
 ///
-/// The newest submap of each part always stays. Frames: map. Time: 1 ms for each submap. Errors: none.
+/// The newest submap of each part always stays. Frames: map. Time: half a millisecond for each submap. Errors: none.
 class WorldThinning {
  public:
   /// The same world is handed to each call.

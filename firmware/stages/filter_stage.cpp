@@ -80,9 +80,11 @@ void FilterStage::update(const ScanFrame& scan, const Deadline& deadline, Filter
   if (!gate_.widen_by_match) {
     since_update_.set_error({});
   }
-  const Pose2 expected = filter_.estimate().map_T_scan * since_update_.previous_T_current;
+  const std::optional<Pose2> expected =
+      recovery_.may_be_elsewhere() ? std::optional(filter_.estimate().map_T_scan * since_update_.previous_T_current)
+                                   : std::nullopt;
   out.report = filter_.update(since_update_, scan, deadline);
-  if (recovery_.may_be_elsewhere() && !are_within(expected, filter_.estimate().map_T_scan, kJump_m, kJump_rad)) {
+  if (expected && !are_within(*expected, filter_.estimate().map_T_scan, kJump_m, kJump_rad)) {
     ++placements_;
   }
   recovery_.note_update(within_ok(since_update_));

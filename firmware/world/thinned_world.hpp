@@ -10,7 +10,7 @@ namespace odoless {
 /// A world without the submaps that newer visits have made needless (core/graph/world_thinning.hpp). A session keeps
 /// its record, and its odometry from the first keyframe that is left on. Null: none is needless.
 ///
-/// Thread: owned by one thread. Not for real-time threads: it takes some 1 ms for each submap.
+/// Thread: owned by one thread. Not for real-time threads: it takes half a millisecond for each submap.
 [[nodiscard]] std::unique_ptr<StoredWorld> thinned(const StoredWorld& world);
 
 /// Leaves out of a world's file what was left out of it, all or nothing. @param file  Open to write.

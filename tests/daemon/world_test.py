@@ -76,6 +76,11 @@ class World(WorldCase):
         self.assertLess(places["error_max_m"], 0.2)
         again = run("odoless", "eval", "places", self.path("w"), log, self.path("run1/trajectory.tum"), "--places", 8, "--json")
         self.assertEqual(json.loads(again.stdout), places, "the same random seed, the same places")
+        with open(self.path("other.tum"), "w", encoding="utf-8") as file:
+            file.write("1e9 0.0 0.0 0.0 0.0 0.0 0.0 1.0\n")
+        other = run("odoless", "eval", "places", self.path("w"), log, self.path("other.tum"), "--places", 8)
+        self.assertEqual(other.returncode, EX_DATAERR, other.stdout)
+        self.assertIn("no pose of any scan", other.stderr)
 
     # The second drive through a building is found in the map of the first, and has its frame; it begins elsewhere.
     def test_goes_on_with_what_is_there(self):

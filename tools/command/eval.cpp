@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "firmware/world/world_reader.hpp"
@@ -79,6 +80,12 @@ void run_places(const PlacesOptions& options) {
   }
   const ScanLog log = read_scan_log(options.log);
   const ReferencePoses truth = read_reference_poses(options.truth);
+  if (const StampLookup poses(truth.poses); std::ranges::none_of(log.scans, [&](const LogScan& scan) {
+        return poses.nearest(static_cast<double>(scan.stamp_ns) * 1e-9, options.wanted.tolerance_s).has_value();
+      })) {
+    throw DataError(options.truth, 0, fmt::format("it has no pose of any scan of {}", options.log),
+                    "the trajectory of a run over that log, with its stamps");
+  }
   std::vector<TriedPlace> tried;
   {
     Progress bar(options.wanted.places, InPipe::kLines);
