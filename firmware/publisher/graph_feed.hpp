@@ -27,7 +27,8 @@ namespace odoless {
 /// The pose graph with a thread of its own, which nobody waits for: of ordinary priority, lower than others', and at
 /// rest for three quarters of the time.
 ///
-/// Memory is fixed at construction, but for what a save makes. Thread: `add` is the publisher's; the rest is any's.
+/// Memory is fixed at construction, but for what a save makes, and a few MB while a crowded world is thinned. Thread:
+/// `add` is the publisher's; the rest is any's.
 class GraphFeed {
  public:
   static constexpr std::size_t kStack_bytes = std::size_t{2} << 20;

@@ -193,6 +193,11 @@ bool WorldKeeper::write_some(GraphFeed::Patience patience) {
     } else {
       mirror_.take(changes);
     }
+    if (!failed.any() && !changes.left_out.empty()) {
+      log_line(EventPriority::kNotice,
+               fmt::format("world file {}: {} keyframes are left out, of which newer visits have seen the ground",
+                           params_.file, changes.left_out.size()));
+    }
   }
   note(failed);
   return !failed.any() && map_number >= 0 && (has_more || begin_next_map());

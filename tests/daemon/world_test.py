@@ -319,7 +319,9 @@ class World(WorldCase):
         keyframes = self.world_json()["keyframes"]
         self.wait_until(lambda: self.count("keyframe") >= keyframes, 10)
         self.wait_until(lambda: self.state() == "OK", 20)
-        self.stop_in_time(daemon)
+        daemon.send_signal(signal.SIGTERM)
+        self.assertIn("keyframes are left out", daemon.stderr.read())
+        self.assertEqual(daemon.wait(timeout=10), 0)
         self.assertLess(self.count("submap"), 14)
         self.world("check", self.path("w"))
         self.assertEqual(self.count("session"), 1)
