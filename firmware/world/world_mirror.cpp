@@ -24,6 +24,11 @@ WorldMirror::WorldMirror(const SubmapWorld& world) : poses_(world.graph.poses().
   }
 }
 
+bool WorldMirror::has_keyframes_of(const SubmapGraph& graph) const {
+  const int mapped = graph.mapped_keyframes();
+  return mapped == 0 || graph.keyframes().serial(mapped - 1) < next_serial();
+}
+
 int WorldMirror::keyframes_before(int serial) const {
   return static_cast<int>(std::ranges::lower_bound(serials_, serial) - serials_.begin());
 }
@@ -69,10 +74,10 @@ void WorldMirror::collect_left_out(const KeyframeStore& store, int keyframes, Wo
   bool is_behind_gap = false;
   int next = 0;
   for (const int serial : serials_) {
-    if (serial >= store.serial(keyframes)) {
+    if (next == keyframes || serial > store.serial(next)) {
       return;
     }
-    const bool is_gone = next == keyframes || serial != store.serial(next);
+    const bool is_gone = serial < store.serial(next);
     if (is_gone) {
       changes.left_out.push_back(serial);
     } else if (const int k = next++; is_behind_gap) {

@@ -35,6 +35,8 @@ class WorldMirror {
   /// Keyframes of the world from that serial on, which are in no submap, are no more in the file.
   void forget_keyframes(int from_serial);
 
+  /// Whether the file has all keyframes of a graph's world.
+  [[nodiscard]] bool has_keyframes_of(const SubmapGraph& graph) const;
   [[nodiscard]] int keyframes() const { return static_cast<int>(serials_.size()); }
   /// Of these, those before that serial.
   [[nodiscard]] int keyframes_before(int serial) const;

@@ -36,7 +36,7 @@ WorldOutput::WorldOutput(std::filesystem::path path, const std::string& program,
 void WorldOutput::write(const SessionRecord& session, const SubmapGraph& graph, std::span<const StampedPose> odom) {
   WorldPlace place;
   WorldMirror mirror = world_.mirror();
-  if (graph.is_localising() && graph.keyframes().serial(graph.mapped_keyframes()) == mirror.next_serial()) {
+  if (graph.is_localising() && mirror.has_keyframes_of(graph)) {
     return file_.close();
   }
   FileFailure failed = file_.begin(session, place);
