@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kNear_m = 6.0;
 constexpr double kCell_m = 0.25;
+constexpr double kStep_m = 0.5 * kCell_m;  // along a beam
 
 }  // namespace
 
@@ -55,7 +56,9 @@ void SeenGround::see(int part, const KeyframeStore& store, int keyframe, const P
     const double angle_rad = map_T_scan.yaw_rad + of.start_angle_rad + of.angle_step_rad * static_cast<double>(i);
     const Point2 direction{math::cos(angle_rad), math::sin(angle_rad)};
     const double reach_m = std::min(static_cast<double>(range_of(codes[i])), kNear_m);
-    for (double way_m = 0.0; way_m < reach_m; way_m += 0.5 * kCell_m) {
+    const int steps = static_cast<int>(std::ceil(reach_m / kStep_m));
+    for (int step = 0; step < steps; ++step) {
+      const double way_m = kStep_m * step;
       const Cell cell(part, map_T_scan.x_m + way_m * direction.x_m, map_T_scan.y_m + way_m * direction.y_m);
       blocks_[cell.block()] |= cell.bit();
     }

@@ -193,7 +193,7 @@ bool Machine::is_running() const {
   return sensor_thread_.started() || matcher_thread_.started() || filter_thread_.started();
 }
 
-void Machine::wake_all() {
+void Machine::wake_all() const {
   pipeline_.sensor.wake.notify();
   pipeline_.matcher.wake.notify();
   pipeline_.filter.wake.notify();

@@ -75,7 +75,7 @@ class Machine {
  private:
   void take_last(DaemonResult& result);
   [[nodiscard]] bool is_running() const;
-  void wake_all();
+  void wake_all() const;
   [[nodiscard]] std::unique_ptr<ScanSource> make_source(DaemonOptions& options);
   [[nodiscard]] std::unique_ptr<Intake> make_intake(const DaemonOptions& options);
 
