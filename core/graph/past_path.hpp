@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "core/graph/pose_graph.hpp"
-#include "core/graph/submap_world.hpp"
 #include "core/graph/trajectory_correction.hpp"
 #include "core/graph/world_thinning.hpp"
 
@@ -20,9 +19,9 @@ class PastPath {
 
   /// @param is_joined  It is known where it lies in the world, and with it all before it.
   void add(const SubmapPlace& submap, bool is_joined) { append({submap, SubmapNumbers::kNone}, is_joined); }
-  /// It lies by one that stays, and moves with it.
-  void add(const Submap& submap, const PlaceBySubmap& heir_T_submap) {
-    append({{submap.odom_T_submap, heir_T_submap.submap_T_scan, submap.origin_stamp_ns}, heir_T_submap.submap}, true);
+  /// It lies by another one, which stays, and moves with it.
+  void add(const Submap& submap, int by, const Pose2& by_T_submap) {
+    append({{submap.odom_T_submap, by_T_submap, submap.origin_stamp_ns}, by}, true);
   }
   /// Those of which it was not known lie there.
   void join(const Pose2& new_T_map);

@@ -41,7 +41,8 @@ void SubmapGraph::leave_out(const std::vector<int>& needless) {
   past_.renumber(numbers, poses, graph_);
   for (const int each : needless) {
     if (static_cast<std::size_t>(each) >= run_begin_) {
-      past_.add(submaps[static_cast<std::size_t>(each)], by_heir({each, {}}));
+      const PlaceBySubmap place = by_heir({each, {}});
+      past_.add(submaps[static_cast<std::size_t>(each)], place.submap, place.submap_T_scan);
     }
   }
   first_submap_ = static_cast<std::size_t>(stays_before(first_submap_));

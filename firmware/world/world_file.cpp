@@ -266,10 +266,10 @@ bool WorldFile::insert_keyframes(const WorldPlace& place, const WorldChanges& ch
 bool WorldFile::insert_submaps(const WorldPlace& place, const WorldChanges& changes) {
   Statement insert(database_,
                    "INSERT INTO submap (id, session, first_keyframe, keyframes, map_x_m, map_y_m, map_yaw_rad) "
-                   "SELECT ?, session, id, ?, 0.0, 0.0, 0.0 FROM keyframe WHERE id = ?");
+                   "VALUES (?1, (SELECT session FROM keyframe WHERE id = ?2), ?2, ?3, 0.0, 0.0, 0.0)");
   std::int64_t id = place.submap + changes.first_submap;
   for (const Submap& each : changes.submaps) {
-    if (!insert.run(id++, each.keyframes, place.keyframe + each.first_keyframe)) {
+    if (!insert.run(id++, place.keyframe + each.first_keyframe, each.keyframes)) {
       return false;
     }
   }

@@ -32,8 +32,8 @@ class WorldFile {
 
   /// A session's record. @param place  Set: where it goes.
   FileFailure begin(const SessionRecord& session, WorldPlace& place);
-  /// All of it or nothing, in one transaction. What is left
-  /// out takes the odometry of its session along, up to the first keyframe that stays.
+  /// All of it or nothing, in one transaction. What is left out takes the odometry of its session along, up to the
+  /// first keyframe that stays.
   FileFailure write(const WorldPlace& place, const WorldChanges& changes);
   /// Takes out the last session's keyframes from that serial number on, which are in no submap.
   FileFailure erase_keyframes(const WorldPlace& place, int from);

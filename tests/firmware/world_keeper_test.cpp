@@ -324,6 +324,23 @@ TEST_F(KeptWorldThatIsCrowded, IsGoneOnWithAndClosedAndOpenedAsBefore) {
   expect_as_in_graph();
 }
 
+// As a daemon does that is started anew with a world that is nearly full.
+TEST_F(KeptWorldThatIsCrowded, IsThinnedWhenItIsGoneOnWith) {
+  start({}, WorldUse::kContinue);
+  drive(3 * kRound_scans);
+  end();
+  const std::size_t before = read(path())->submaps.size();
+  ASSERT_GT(before, 36U);
+  start(few_submaps(), WorldUse::kContinue);
+  EXPECT_LT(feed_->health().submaps, 30);
+  EXPECT_TRUE(does(WorldUse::kContinue));
+  drive(kRound_scans);
+  EXPECT_EQ(feed_->health().place, WorldPlaceKnown::kSure);
+  end();
+  expect_as_in_graph();
+  EXPECT_EQ(read(path())->sessions.size(), 2U);
+}
+
 TEST_F(KeptWorldThatIsCrowded, IsMadeAnewWhereItWasRemoved) {
   drive(4 * kRound_scans);
   EXPECT_GT(thinnings(), 0);

@@ -62,15 +62,20 @@ class Feed {
     bool is_at_work = graph.add(keyframe, codes);
     while (is_at_work) {
       const Pose2 before = graph.map_T_odom() * motion.odom_T_current;
+      const int thinnings = graph.thinnings();
       is_at_work = graph.work();
+      const Pose2 after = graph.map_T_odom() * motion.odom_T_current;
+      moved_by_thinning_m = graph.thinnings() == thinnings ? moved_by_thinning_m
+                                                           : std::max(moved_by_thinning_m, before.distance_m(after));
       if (const auto said = graph.take_correction()) {
-        corrections.push_back({*said, before, graph.map_T_odom() * motion.odom_T_current});
+        corrections.push_back({*said, before, after});
       }
     }
   }
 
-  Pose2 local_T_odom{};    ///< as a particle filter would have it
-  double unknown_s = 0.0;  ///< with the next motion, as it would say
+  Pose2 local_T_odom{};              ///< as a particle filter would have it
+  double unknown_s = 0.0;            ///< with the next motion, as it would say
+  double moved_by_thinning_m = 0.0;  ///< the robot, at most
 
   struct Correction {
     MapCorrection said;

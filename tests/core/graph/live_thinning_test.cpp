@@ -101,6 +101,7 @@ TEST(LiveThinning, MovesNeitherTheRobotNorWhatStays) {
     }
   }
   ASSERT_GT(thinnings, 0);
+  EXPECT_LT(run.feed.moved_by_thinning_m, 1e-9);
   PoseGraph solved = run.graph.graph();
   static_cast<void>(GraphSolver().solve(solved, 25));
   for (int i = 0; i < solved.size(); ++i) {
