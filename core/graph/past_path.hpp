@@ -12,7 +12,7 @@ namespace odoless {
 /// Where the submaps lay that a run has forgotten, or that newer ones have made needless: its trajectory is corrected
 /// by them. Of more than kSubmaps_max (300 km) the older half goes.
 ///
-/// Thread: owned by one thread. Memory: 88 bytes for each.
+/// Thread: owned by one thread. Memory: 64 bytes for each.
 class PastPath {
  public:
   static constexpr std::size_t kSubmaps_max = 65'536;
