@@ -26,8 +26,11 @@ enum class LrfReading : std::uint8_t {
   kRange,           ///< SCIP: MD, 3 characters per range
   kShortRange,      ///< SCIP: MS, 2 characters, ranges up to 4 m: for slow lines
   kRangeIntensity,  ///< SCIP: ME; the intensities are dropped
+  kLastEcho,        ///< SCIP: ND; of lasers that tell several echoes of a beam, the farthest
+  kStrongestEcho,   ///< SCIP: NE; of these, the one of the highest intensity
 };
-inline constexpr const char* kLrfReadingNames[] = {"range", "short_range", "range_intensity"};
+inline constexpr const char* kLrfReadingNames[] = {"range", "short_range", "range_intensity", "last_echo",
+                                                   "strongest_echo"};
 
 /// Field of view and step of a SICK LMS2xx, in degrees.
 enum class SickVariant : std::uint8_t { k180By1, k180ByHalf, k100By1, k100ByHalf, k100ByQuarter };
@@ -97,7 +100,10 @@ struct LrfParams {
         "Rate of the serial line, which Hokuyo and SICK lasers are switched to; 0: the one that the laser has "
         "(USB has none). Of a SICK, RPLIDAR, LDROBOT or YDLIDAR on tcp:// or usb://: what the far end's line has, for "
         "the stamps.");
-    visit.choice("reading", self.reading, kLrfReadingNames, "Data that the laser sends per beam.");
+    visit.choice(
+        "reading", self.reading, kLrfReadingNames,
+        "What a Hokuyo sends for each beam. Of a multi-echo laser (UTM-30LX-EW), range is the first echo: behind "
+        "rain, dust and glass, last_echo or strongest_echo sees the wall.");
     visit.value("cluster", self.cluster, Range{1, 99}, "Neighbouring beams that the laser joins to one, the nearest.");
     visit.value("skip", self.skip, Range{0, 9},
                 "Scans that a Hokuyo, or a SICK by SOPAS, leaves out after each one that it sends.");

@@ -36,9 +36,12 @@ std::vector<Streamed> lasers() {
   sick.baud = 500000;
   LrfParams every_tenth = params_of(LrfDriver::kSopas);
   every_tenth.skip = 9;
+  LrfParams echoes = params_of(LrfDriver::kScip);
+  echoes.reading = LrfReading::kStrongestEcho;
   LrfParams time_of_flight = params_of(LrfDriver::kYdlidar, 1800);
   time_of_flight.ydlidar_ranging = LrfRanging::kTimeOfFlight;
-  return {{"lms291", sick},                                      // 361 beams at 37.5 Hz
+  return {{"utm-30lx-ew", echoes},  // 1081 beams at 40 Hz, with all echoes and their intensities
+          {"lms291", sick},         // 361 beams at 37.5 Hz
           {"rplidar-a1-1.16", params_of(LrfDriver::kRplidar)},   // nodes
           {"rplidar-a1-1.20", params_of(LrfDriver::kRplidar)},   // express
           {"rplidar-a3", params_of(LrfDriver::kRplidar, 1600)},  // ultra, 15900 points a second

@@ -351,7 +351,7 @@ class DaemonTest(DaemonCase):
         self.assertEqual(run("odolessd", "--config", self.config, "--check").returncode, 0)
         self.assertEqual(run("odolessd", "--stages", "matcher").returncode, EX_USAGE)
         for robot_file in ("robot.toml", "robot-ld19.toml", "robot-ydlidar-x4.toml", "robot-tim571.toml", "robot-lms111.toml",
-                           "robot-lms4124.toml", "robot-csv.toml", "robot-rplidar.toml"):
+                           "robot-lms4124.toml", "robot-csv.toml", "robot-rplidar.toml", "robot-utm-30lx-ew.toml"):
             self.assertEqual(run("odolessd", "--config", os.path.join(SOURCES, "config", robot_file), "--check").returncode, 0)
 
     def test_locks_about_as_much_memory_as_it_says_before(self):

@@ -129,7 +129,7 @@ class LasersTest(DaemonCase):
         self.expect_maps(self.robot_file("robot-ld19.toml", baud=921600, ldrobot_beams=1080), "stl-27l")
 
     def test_maps_with_a_hokuyo_of_several_echoes(self):
-        self.expect_maps(self.robot_file("robot.toml"), "utm-30lx-ew", 40.0)
+        self.expect_maps(self.network_robot_file("robot-utm-30lx-ew.toml"), "utm-30lx-ew", 40.0)
 
     def test_maps_with_an_rplidar_c1(self):
         self.expect_maps(self.robot_file("robot-rplidar.toml", baud=460800, rplidar_beams=500), "rplidar-c1")

@@ -2,6 +2,7 @@
 // and lines; those that are to be mended get their check sum, so that what is behind the sums is reached.
 #include <array>
 #include <string>
+#include <utility>
 
 #include "drivers/lrf/scip/number.hpp"
 #include "drivers/lrf/scip/replies.hpp"
@@ -31,9 +32,14 @@ void look(const scip::Reply& reply, Digest& found) {
     ODOLESS_CHECK(p.range_min_mm >= 0 && p.range_max_mm > p.range_min_mm);
   }
   std::array<std::uint32_t, kBeams> ranges_mm{};
-  for (const int values : {1, 2}) {
-    const auto scan = scip::scan_of(
-        reply, {.echo = kEcho, .characters_per_value = 3, .values_per_beam = values, .beams = kBeams}, ranges_mm);
+  std::array<char, 512> data{};
+  for (const auto& [values, choice] : {std::pair(1U, scip::EchoChoice::kOnly),
+                                       {2U, scip::EchoChoice::kOnly},
+                                       {1U, scip::EchoChoice::kLast},
+                                       {2U, scip::EchoChoice::kStrongest}}) {
+    const scip::ScanFormat format{
+        .echo = kEcho, .characters_per_value = 3, .values_per_beam = values, .beams = kBeams, .choice = choice};
+    const auto scan = scip::scan_of(reply, format, {data, ranges_mm});
     if (scan.ok()) {
       ODOLESS_CHECK(scan.value().ranges_mm.size() == kBeams);
       for (const std::uint32_t range_mm : scan.value().ranges_mm) {

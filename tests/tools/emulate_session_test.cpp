@@ -161,6 +161,44 @@ TEST(ScipSession, DropsIntensities) {
   expect_scans_true(bench, 2 * kMs);
 }
 
+// The emulated laser has two echoes where a beam grazes an edge: of the edge, and of what is behind it.
+TEST(ScipSession, HearsWhatIsBehindTheFirstEcho) {
+  const auto ranges_m = [](LrfReading reading) {
+    LrfParams params;
+    params.reading = reading;
+    Bench bench{"utm-30lx-ew", {}, params};
+    bench.reset();
+    bench.run(2 * kSecond);
+    EXPECT_EQ(bench.session().counters().rejected, 0U);
+    EXPECT_EQ(bench.heard().scans.size(), bench.sent().size());
+    return bench.heard().scans.back().ranges_m;
+  };
+  const std::vector<float> first_m = ranges_m(LrfReading::kRange);
+  const std::vector<float> last_m = ranges_m(LrfReading::kLastEcho);
+  ASSERT_EQ(first_m.size(), 1081U);
+  ASSERT_EQ(last_m.size(), first_m.size());
+  EXPECT_EQ(ranges_m(LrfReading::kStrongestEcho), first_m) << "both are as strong";
+  int behind = 0;
+  for (std::size_t i = 0; i < first_m.size(); ++i) {
+    EXPECT_GE(last_m[i], first_m[i]) << "beam " << i;
+    behind += last_m[i] > first_m[i] + 0.19F ? 1 : 0;
+  }
+  EXPECT_GE(behind, 1);
+  EXPECT_LE(behind, 8);
+}
+
+// A laser that does not know the command says so.
+TEST(ScipSession, ALaserOfOneEchoRefusesToTellSeveral) {
+  LrfParams params;
+  params.reading = LrfReading::kLastEcho;
+  Bench bench{"utm-30lx", {}, params};
+  bench.reset();
+  bench.run(3 * kSecond);
+  EXPECT_FALSE(bench.session().ready());
+  EXPECT_TRUE(bench.heard().scans.empty());
+  EXPECT_GT(bench.session().counters().device_errors, 0U);
+}
+
 TEST(ScipSession, SetsTheLineRateThatIsWished) {
   LrfParams params;
   params.baud = 115200;

@@ -41,7 +41,7 @@ class Stream {
   [[nodiscard]] std::unique_ptr<LrfSession> ready_session(Heard& heard) const {
     WorldSource source(period_ns_of(model_), drive_);
     const auto device = make_emulated_lrf(model_, source, {}, 0);
-    auto session = make_lrf_session(params_, 1000);
+    auto session = make_lrf_session(params_, 1081);
     session->reset(0);
     for (std::int64_t now_ns = 0; !session->ready() && now_ns < 10 * kSecond; now_ns += kMs) {
       device->set_line_baud(session->line_baud());

@@ -13,7 +13,7 @@ namespace odoless {
 namespace {
 
 constexpr std::size_t kLineMax = 80;
-constexpr double kEdgeM = 0.2;  ///< neighbours that far apart are seen by one beam
+constexpr double kEdgeM = 0.2;  ///< what a neighbour sees that far behind is seen by the beam too
 
 }  // namespace
 
@@ -110,13 +110,13 @@ std::uint32_t ScipDevice::code_of(double range_m) const {
 }
 
 std::vector<std::uint32_t> ScipDevice::echoes_mm(std::size_t beam) const {
-  const double range_m = ranges_m_[beam];
-  const double next_m = ranges_m_[std::min(beam + 1, ranges_m_.size() - 1)];
-  const double far_m = model_.range_far_mm / 1000.0;
-  if (range_m >= far_m || next_m >= far_m || std::abs(range_m - next_m) < kEdgeM) {
-    return {code_of(range_m)};
+  const double near_m = ranges_m_[beam];
+  const double behind_m =
+      std::max(ranges_m_[beam - std::min<std::size_t>(beam, 1)], ranges_m_[std::min(beam + 1, ranges_m_.size() - 1)]);
+  if (behind_m >= model_.range_far_mm / 1000.0 || behind_m - near_m < kEdgeM) {
+    return {code_of(near_m)};
   }
-  return {code_of(std::min(range_m, next_m)), code_of(std::max(range_m, next_m))};
+  return {code_of(near_m), code_of(behind_m)};
 }
 
 std::string ScipDevice::frame(const scip::ScanRequest& request, std::string_view head, std::int64_t index) {

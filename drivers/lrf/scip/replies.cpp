@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kDataLine = 3;
 constexpr std::size_t kLineCharacters = 64;
+constexpr char kSeparator = '&';  ///< before each echo of a beam but the first
 
 /// The value of a line "KEY:value;" with its sum, which leaves the semicolon out; some devices take it in.
 Result<std::string_view> value_of(std::string_view line) {
@@ -71,60 +72,111 @@ bool can_be(const Parameters& p) {
          p.front_step <= p.last_step && p.turns_per_minute >= 10 && p.turns_per_minute <= 60'000;
 }
 
-/// Each line of data is full, but for the last one.
-Errc check_data_lines(const Reply& reply, std::size_t characters) {
-  const auto lines = static_cast<int>((characters + kLineCharacters - 1) / kLineCharacters);
-  if (reply.lines() != kDataLine + lines) {
-    return Errc::kWrongCount;
+/// What the characters of a line sum up to, and which they are.
+struct LineLook {
+  std::uint32_t sum = 0;
+  std::uint32_t separators = 0;
+  std::uint32_t strange = 0;  ///< neither encoded nor separators
+};
+
+/// In one pass without a branch, which compilers turn into few instructions for many characters.
+LineLook look_at(std::string_view line) {
+  LineLook look;
+  for (const char c : line) {
+    const auto byte = static_cast<std::uint8_t>(c);
+    const bool separates = c == kSeparator;
+    look.sum += byte;
+    look.separators += separates ? 1U : 0U;
+    look.strange += !separates && static_cast<std::uint8_t>(byte - 0x30U) > 0x3FU ? 1U : 0U;
   }
-  for (int i = 0; i < lines; ++i) {
-    const std::string_view line = reply.line(kDataLine + i);
-    const std::size_t expected = std::min(kLineCharacters, characters - static_cast<std::size_t>(i) * kLineCharacters);
-    if (line.size() != expected + 1) {
-      return Errc::kWrongCount;
-    }
-    if (!is_encoded(line)) {
-      return Errc::kFrameMalformed;
-    }
-    if (!sum_matches(line)) {
-      return Errc::kWrongSum;
-    }
-  }
-  return Errc::kOk;
+  return look;
 }
 
-/// Reads one value after the other across the ends of lines.
-class ValueReader {
- public:
-  explicit ValueReader(const Reply& reply) : reply_(reply) { next_line(); }
+/// The data of a reply in one piece, and how many characters of it separate echoes.
+struct Data {
+  std::string_view text;
+  std::size_t separators = 0;
+};
 
-  std::uint32_t next(std::size_t characters) {
-    if (line_.size() >= characters) {
-      const std::uint32_t value = decode(line_.substr(0, characters));
-      line_.remove_prefix(characters);
-      return value;
+/// Puts the lines of data together in `room`; each is full, but for the last one.
+Result<Data> data_of(const Reply& reply, const ScanFormat& format, std::span<char> room) {
+  ODOLESS_CHECK(room.size() >= format.most_characters());
+  Data data;
+  std::size_t size = 0;
+  for (int i = kDataLine; i < reply.lines(); ++i) {
+    const std::string_view line = reply.line(i);
+    const bool is_full = line.size() == kLineCharacters + 1;
+    const bool is_end = i + 1 == reply.lines() && line.size() >= 2 && line.size() <= kLineCharacters;
+    if (!(is_full || is_end) || size + line.size() - 1 > format.most_characters()) {
+      return Errc::kWrongCount;
     }
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < characters; ++i) {
-      if (line_.empty()) {
-        next_line();
-      }
-      value = (value << 6U) | decode(line_.substr(0, 1));
-      line_.remove_prefix(1);
+    const std::string_view text = line.substr(0, line.size() - 1);
+    const LineLook look = look_at(text);
+    if (look.strange > 0 || !is_encoded(line.substr(text.size()))) {
+      return Errc::kFrameMalformed;
     }
-    return value;
+    if (encode(look.sum) != line.back()) {
+      return Errc::kWrongSum;
+    }
+    data.separators += look.separators;
+    std::memcpy(room.data() + size, text.data(), text.size());
+    size += text.size();
   }
+  data.text = {room.data(), size};
+  return size < format.fewest_characters() ? Result<Data>(Errc::kWrongCount) : Result(data);
+}
+
+/// Reads ranges and, if there are, intensities, echo by echo.
+class EchoReader {
+ public:
+  EchoReader(std::string_view data, const ScanFormat& format) : data_(data), format_(format) {}
+
+  /// The range of the next beam. False: the data ends before it does, or it has more echoes than there can be.
+  bool next(std::uint32_t& range_mm) {
+    if (!next_echo(range_mm)) {
+      return false;
+    }
+    std::uint32_t highest = intensity_;
+    for (std::size_t echoes = 1; !data_.empty() && data_.front() == kSeparator; ++echoes) {
+      data_.remove_prefix(1);
+      ++separators_;
+      std::uint32_t echo_mm = 0;
+      if (echoes == kEchoesMax || !next_echo(echo_mm)) {
+        return false;
+      }
+      if (format_.choice == EchoChoice::kStrongest ? intensity_ > highest : echo_mm > range_mm) {
+        range_mm = echo_mm;
+        highest = intensity_;
+      }
+    }
+    return true;
+  }
+
+  /// Whether all was read, and a separator stood nowhere but between echoes.
+  [[nodiscard]] bool is_at_end(std::size_t separators) const { return data_.empty() && separators == separators_; }
 
  private:
-  void next_line() {
-    line_ = reply_.line(index_++);
-    ODOLESS_CHECK(line_.size() >= 2);
-    line_.remove_suffix(1);
+  bool next_echo(std::uint32_t& range_mm) {
+    if (data_.size() < format_.width()) {
+      return false;
+    }
+    range_mm = value(data_.data());
+    if (format_.choice == EchoChoice::kStrongest) {
+      intensity_ = value(data_.data() + format_.characters_per_value);
+    }
+    data_.remove_prefix(format_.width());
+    return true;
   }
 
-  const Reply& reply_;
-  int index_ = kDataLine;
-  std::string_view line_;
+  /// With a number of characters that the compiler knows: half the time.
+  [[nodiscard]] std::uint32_t value(const char* text) const {
+    return format_.characters_per_value == 3 ? decode({text, 3}) : decode({text, format_.characters_per_value});
+  }
+
+  std::string_view data_;
+  const ScanFormat& format_;
+  std::uint32_t intensity_ = 0;
+  std::size_t separators_ = 0;
 };
 
 bool is_status_character(char c) { return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z'); }
@@ -180,7 +232,7 @@ Result<Parameters> parameters_of(const Reply& reply) {
   return can_be(parameters) ? Result(parameters) : Errc::kBadGeometry;
 }
 
-Result<RawFrame> scan_of(const Reply& reply, const ScanFormat& format, std::span<std::uint32_t> ranges_mm) {
+Result<RawFrame> scan_of(const Reply& reply, const ScanFormat& format, const ScanRoom& room) {
   if (reply.line(0) != format.echo) {
     return Errc::kWrongEcho;
   }
@@ -195,20 +247,22 @@ Result<RawFrame> scan_of(const Reply& reply, const ScanFormat& format, std::span
   if (!stamp_ms.ok()) {
     return stamp_ms.error();
   }
-  const auto characters = static_cast<std::size_t>(format.characters_per_value);
-  const auto beams = static_cast<std::size_t>(format.beams);
-  if (const Errc error = check_data_lines(reply, characters * static_cast<std::size_t>(format.values_per_beam) * beams);
-      error != Errc::kOk) {
-    return error;
+  const Result<Data> data = data_of(reply, format, room.data);
+  if (!data.ok()) {
+    return data.error();
   }
-  ValueReader values(reply);
-  for (std::size_t i = 0; i < beams; ++i) {
-    ranges_mm[i] = values.next(characters);
-    for (int extra = 1; extra < format.values_per_beam; ++extra) {
-      static_cast<void>(values.next(characters));
+  if (data.value().separators > 0 && format.choice == EchoChoice::kOnly) {
+    return Errc::kFrameMalformed;
+  }
+  const std::span<std::uint32_t> ranges_mm = room.ranges_mm.first(format.beams);
+  EchoReader echoes(data.value().text, format);
+  for (std::uint32_t& range_mm : ranges_mm) {
+    if (!echoes.next(range_mm)) {
+      return Errc::kWrongCount;
     }
   }
-  return RawFrame{stamp_ms.value(), ranges_mm.first(beams)};
+  return echoes.is_at_end(data.value().separators) ? Result(RawFrame{stamp_ms.value(), ranges_mm})
+                                                   : Result<RawFrame>(Errc::kWrongCount);
 }
 
 }  // namespace odoless::scip

@@ -36,12 +36,31 @@ struct Parameters {
 /// kBadGeometry (figures that no laser can have).
 [[nodiscard]] Result<Parameters> parameters_of(const Reply& reply);
 
+/// Which of a beam's echoes makes its range, where the laser tells several.
+enum class EchoChoice : std::uint8_t {
+  kOnly,       ///< it tells one
+  kLast,       ///< the farthest
+  kStrongest,  ///< the one of the highest intensity
+};
+
+/// Most echoes of a beam that a laser tells.
+inline constexpr std::size_t kEchoesMax = 3;
+
 /// What one scan of a running stream looks like.
 struct ScanFormat {
-  std::string_view echo;
-  int characters_per_value = 3;
-  int values_per_beam = 1;  ///< 2: range and intensity
-  int beams = 0;
+  std::string_view echo;  ///< the request, as the laser repeats it above each scan
+  std::size_t characters_per_value = 3;
+  std::size_t values_per_beam = 1;  ///< 2: range and intensity
+  std::size_t beams = 0;
+  EchoChoice choice = EchoChoice::kOnly;
+
+  /// Characters of one echo.
+  [[nodiscard]] constexpr std::size_t width() const { return characters_per_value * values_per_beam; }
+  /// Characters of the data, without sums: of one echo a beam, and of as many as there can be, with '&' between them.
+  [[nodiscard]] constexpr std::size_t fewest_characters() const { return beams * width(); }
+  [[nodiscard]] constexpr std::size_t most_characters() const {
+    return choice == EchoChoice::kOnly ? fewest_characters() : beams * (kEchoesMax * (width() + 1) - 1);
+  }
 };
 
 /// A scan's stamp and its ranges as the device gives them, error codes and all.
@@ -50,13 +69,18 @@ struct RawFrame {
   std::span<const std::uint32_t> ranges_mm{};
 };
 
-/// Reads one scan of the stream; `ranges_mm` has room for at least `format.beams`.
+/// Memory that a scan is read in.
+struct ScanRoom {
+  std::span<char> data;                ///< at least `most_characters`
+  std::span<std::uint32_t> ranges_mm;  ///< at least `beams`
+};
+
+/// Reads one scan of the stream.
 ///
 /// Everything that the sums, which have but 6 bits, let through is held against what was asked for: the echo, the
 /// status, the length of every line and with it the number of beams.
 /// Errors: Errc::kWrongEcho, kDeviceStatus (any but 99), kWrongSum, kWrongCount, kFrameMalformed, kFrameTruncated.
 /// Real time: no allocation; linear in the reply.
-[[nodiscard]] Result<RawFrame> scan_of(const Reply& reply, const ScanFormat& format,
-                                       std::span<std::uint32_t> ranges_mm);
+[[nodiscard]] Result<RawFrame> scan_of(const Reply& reply, const ScanFormat& format, const ScanRoom& room);
 
 }  // namespace odoless::scip

@@ -12,16 +12,28 @@ namespace {
 
 constexpr double kBitsPerByte = 10.0;  ///< with start and stop bit
 
-const char* command(LrfReading reading) {
+/// How a reading is asked for, and what comes then.
+struct Asked {
+  const char* command;
+  std::size_t characters_per_value;
+  std::size_t values_per_beam;
+  EchoChoice choice;
+};
+
+Asked asked(LrfReading reading) {
   switch (reading) {
     case LrfReading::kShortRange:
-      return "MS";
+      return {"MS", 2, 1, EchoChoice::kOnly};
     case LrfReading::kRangeIntensity:
-      return "ME";
+      return {"ME", 3, 2, EchoChoice::kOnly};
+    case LrfReading::kLastEcho:
+      return {"ND", 3, 1, EchoChoice::kLast};
+    case LrfReading::kStrongestEcho:
+      return {"NE", 3, 2, EchoChoice::kStrongest};
     case LrfReading::kRange:
       break;
   }
-  return "MD";
+  return {"MD", 3, 1, EchoChoice::kOnly};
 }
 
 int beams_of(const Parameters& device, int cluster) {
@@ -35,19 +47,30 @@ std::int64_t time_to_step_ns(const Parameters& device, int step) {
   return turn_ns(device) * step / device.steps_per_turn;
 }
 
+/// Time on the line, with one echo a beam: lasers that tell several have a network instead of a line.
 std::int64_t transfer_ns(const ScanFormat& format, int line_baud) {
   constexpr double kHeadBytes = 27.0;
   constexpr double kBytesPerCharacter = 66.0 / 64.0;  // of each line, the sum and its end
-  const int characters = format.beams * format.values_per_beam * format.characters_per_value;
+  const auto characters = static_cast<double>(format.fewest_characters());
   return line_baud == 0 ? 0
                         : std::llround((kHeadBytes + kBytesPerCharacter * characters) * kBitsPerByte / line_baud * 1e9);
 }
 
 }  // namespace
 
+ScanFormat format_of(LrfReading reading, int beams) {
+  const Asked scan = asked(reading);
+  return {.echo = {},
+          .characters_per_value = scan.characters_per_value,
+          .values_per_beam = scan.values_per_beam,
+          .beams = static_cast<std::size_t>(beams),
+          .choice = scan.choice};
+}
+
 // NOLINTNEXTLINE(modernize-pass-by-value): the session and the bring-up keep their own copies
 ScanStream::ScanStream(const LrfParams& params, int beams_max)
     : params_(params),
+      data_(format_of(params.reading, beams_max).most_characters()),
       ranges_mm_(static_cast<std::size_t>(beams_max)),
       last_ranges_mm_(static_cast<std::size_t>(beams_max)),
       ranges_m_(static_cast<std::size_t>(beams_max)) {}
@@ -57,11 +80,7 @@ Errc ScanStream::configure(const Parameters& device, int line_baud) {
   if (beams > static_cast<int>(ranges_m_.size())) {
     return Errc::kTooManyBeams;
   }
-  const bool is_short = params_.reading == LrfReading::kShortRange;
-  format_ = {.echo = {},
-             .characters_per_value = is_short ? 2 : 3,
-             .values_per_beam = params_.reading == LrfReading::kRangeIntensity ? 2 : 1,
-             .beams = beams};
+  format_ = format_of(params_.reading, beams);
   const std::int64_t way_ns = transfer_ns(format_, line_baud);
   const std::int64_t mirror_ns = (params_.skip + 1) * turn_ns(device);
   const double step_rad = 2.0 * std::numbers::pi / device.steps_per_turn;
@@ -73,7 +92,8 @@ Errc ScanStream::configure(const Parameters& device, int line_baud) {
                .range_max_m = device.range_max_mm * 1e-3,
                .period_ns = std::max(mirror_ns, way_ns)};  // of a slow line, the device leaves scans out
   range_min_mm_ = static_cast<std::uint32_t>(device.range_min_mm);
-  range_far_mm_ = std::min(static_cast<std::uint32_t>(device.range_max_mm), is_short ? 4095U : ~0U);
+  range_far_mm_ = std::min(static_cast<std::uint32_t>(device.range_max_mm),
+                           params_.reading == LrfReading::kShortRange ? 4095U : ~0U);
   far_code_ = device.is_urg ? 0 : 1;
   write_request(device);
   format_.echo = echo();
@@ -92,7 +112,7 @@ void ScanStream::write_request(const Parameters& device) {
       put(static_cast<char>('0' + number / unit % 10));
     }
   };
-  const char* const name = command(params_.reading);
+  const char* const name = asked(params_.reading).command;
   put(name[0]);
   put(name[1]);
   put_number(device.first_step, 1000);
@@ -114,7 +134,7 @@ float ScanStream::range_m(std::uint32_t range_mm) const {
 }
 
 Result<LrfScan> ScanStream::scan(const Reply& reply, std::int64_t arrival_ns) {
-  const Result<RawFrame> frame = scan_of(reply, format_, ranges_mm_);
+  const Result<RawFrame> frame = scan_of(reply, format_, {data_, ranges_mm_});
   if (!frame.ok()) {
     return frame.error();
   }

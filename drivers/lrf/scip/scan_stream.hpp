@@ -12,6 +12,9 @@
 
 namespace odoless::scip {
 
+/// What a scan of a reading looks like, but for its first line.
+[[nodiscard]] ScanFormat format_of(LrfReading reading, int beams);
+
 /// The stream of scans that is asked of one device, and what its frames mean.
 ///
 /// The stamp of a scan is that of its first beam: the device's own, which tells when the mirror passed step 0, and the
@@ -24,7 +27,7 @@ class ScanStream {
   /// Fits the request to a device. Errc::kTooManyBeams: more than there is memory for.
   [[nodiscard]] Errc configure(const Parameters& device, int line_baud);
 
-  /// MD, MS or ME with its line end, for as many scans as there will be.
+  /// MD, MS, ME, ND or NE with its line end, for as many scans as there will be.
   [[nodiscard]] std::string_view request() const { return {request_.data(), request_size_}; }
   [[nodiscard]] std::string_view echo() const { return request().substr(0, request_size_ - 1); }
   [[nodiscard]] const LrfGeometry& geometry() const { return geometry_; }
@@ -53,6 +56,7 @@ class ScanStream {
   DeviceClock clock_;
   std::array<char, 24> request_{};
   std::size_t request_size_ = 1;
+  std::vector<char> data_;
   std::vector<std::uint32_t> ranges_mm_;
   std::vector<std::uint32_t> last_ranges_mm_;
   std::vector<float> ranges_m_;

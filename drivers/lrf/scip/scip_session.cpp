@@ -5,10 +5,10 @@ namespace {
 
 using scip::status;
 
-/// Range and intensity in 3 characters each, the sums of the lines, and the longest echo, status and stamp.
-std::size_t reply_bytes_max(int beams_max) { return static_cast<std::size_t>(beams_max) * 6 * 65 / 64 + 512; }
+/// The most data that a scan can be, with the sums of its lines, and the longest echo, status and stamp.
+std::size_t reply_bytes_max(std::size_t characters) { return characters * 65 / 64 + 512; }
 
-std::size_t reply_lines_max(int beams_max) { return static_cast<std::size_t>(beams_max) * 6 / 64 + 16; }
+std::size_t reply_lines_max(std::size_t characters) { return characters / 64 + 16; }
 
 bool is_digit(int c) { return c >= '0' && c <= '9'; }
 
@@ -21,7 +21,10 @@ bool is_malfunction(scip::Status device_status) {
 }  // namespace
 
 ScipSession::ScipSession(const LrfParams& params, int beams_max)
-    : StreamingSession(params, beams_max), reader_(reply_bytes_max(beams_max), reply_lines_max(beams_max)) {}
+    : ScipSession(params, beams_max, scip::format_of(params.reading, beams_max).most_characters()) {}
+
+ScipSession::ScipSession(const LrfParams& params, int beams_max, std::size_t characters_max)
+    : StreamingSession(params, beams_max), reader_(reply_bytes_max(characters_max), reply_lines_max(characters_max)) {}
 
 void ScipSession::forget_received() {
   reader_.clear();

@@ -19,6 +19,9 @@ class ScipSession final : public StreamingSession<scip::ScanStream, scip::BringU
   void receive(std::span<const std::byte> bytes, std::int64_t arrival_ns, LrfSink& sink) override;
 
  private:
+  /// @param characters_max  Of the data of a scan.
+  ScipSession(const LrfParams& params, int beams_max, std::size_t characters_max);
+
   void forget_received() override;
   void on_reply(std::int64_t arrival_ns, LrfSink& sink);
   void on_stream_reply(const scip::Reply& reply, std::int64_t arrival_ns, LrfSink& sink);

@@ -15,6 +15,7 @@ struct TestedLaser {
   int baud = 0;  ///< 0: as it comes, or searched for
   int wrong_baud =
       0;  ///< a rate that the driver keeps to though the laser has another; 0: the driver finds the right one
+  LrfReading reading = LrfReading::kRange;
   RplidarScan rplidar_scan = RplidarScan::kUsual;
   SickVariant sick_variant = SickVariant::k180ByHalf;
   LrfRanging ydlidar_ranging = LrfRanging::kTriangle;
@@ -27,6 +28,7 @@ struct TestedLaser {
     LrfParams params;
     params.driver = driver;
     params.baud = baud;
+    params.reading = reading;
     params.rplidar_scan = rplidar_scan;
     params.sick_variant = sick_variant;
     params.ydlidar_ranging = ydlidar_ranging;
@@ -41,7 +43,11 @@ struct TestedLaser {
 inline constexpr TestedLaser kTestedLasers[] = {
     {.name = "scip_urg", .model = "urg-04lx", .driver = LrfDriver::kScip},
     {.name = "scip_utm", .model = "utm-30lx", .driver = LrfDriver::kScip},
-    {.name = "scip_echoes", .model = "utm-30lx-ew", .driver = LrfDriver::kScip},
+    {.name = "scip_last_echo", .model = "utm-30lx-ew", .driver = LrfDriver::kScip, .reading = LrfReading::kLastEcho},
+    {.name = "scip_strongest_echo",
+     .model = "utm-30lx-ew",
+     .driver = LrfDriver::kScip,
+     .reading = LrfReading::kStrongestEcho},
     {.name = "sick", .model = "lms200", .driver = LrfDriver::kSick, .baud = 38400},
     {.name = "sick_degree",
      .model = "lms200",

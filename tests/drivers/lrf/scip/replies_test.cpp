@@ -76,18 +76,30 @@ TEST(ScipReplies, RefusesParametersThatCannotBe) {
 const std::string kScan = "MD0000000201000\n99b\n" + summed_line("m2@0") + summed_line("0CB1Dh000") + "\n";
 constexpr ScanFormat kFormat{.echo = "MD0000000201000", .beams = 3};
 
-Errc scan_error(const std::string& text) {
+/// What `text` is read as: the three ranges, or what is wrong with it.
+struct Read {
+  Errc error = Errc::kOk;
+  std::uint32_t stamp_ms = 0;
   std::array<std::uint32_t, 3> ranges_mm{};
-  return scan_of(ReplyIn(text).get(), kFormat, ranges_mm).error();
+};
+
+Read read(const std::string& text, const ScanFormat& format = kFormat) {
+  Read read;
+  std::array<char, 256> data{};
+  const ReplyIn reply(text);
+  const Result<RawFrame> frame = scan_of(reply.get(), format, {data, read.ranges_mm});
+  read.error = frame.error();
+  read.stamp_ms = frame.ok() ? frame.value().stamp_ms : 0;
+  return read;
 }
 
+Errc scan_error(const std::string& text) { return read(text).error; }
+
 TEST(ScipReplies, ReadsAScan) {
-  std::array<std::uint32_t, 3> ranges_mm{};
-  const ReplyIn reply(kScan);
-  const Result<RawFrame> frame = scan_of(reply.get(), kFormat, ranges_mm);
-  ASSERT_TRUE(frame.ok()) << describe(frame.error());
-  EXPECT_EQ(frame.value().stamp_ms, 16'000'000U);
-  EXPECT_EQ(ranges_mm, (std::array<std::uint32_t, 3>{1234, 5432, 0}));
+  const Read scan = read(kScan);
+  ASSERT_EQ(scan.error, Errc::kOk);
+  EXPECT_EQ(scan.stamp_ms, 16'000'000U);
+  EXPECT_EQ(scan.ranges_mm, (std::array<std::uint32_t, 3>{1234, 5432, 0}));
 }
 
 TEST(ScipReplies, NamesWhatIsWrongWithAScan) {
@@ -105,6 +117,46 @@ TEST(ScipReplies, NamesWhatIsWrongWithAScan) {
   EXPECT_EQ(scan_error(replaced(kScan, summed_line("0CB1Dh000"), summed_line("0CB1Dh000") + summed_line("000"))),
             Errc::kWrongCount);
   EXPECT_EQ(scan_error(replaced(kScan, summed_line("m2@0") + summed_line("0CB1Dh000"), "")), Errc::kFrameTruncated);
+}
+
+// 0CB, 1Dh and 000 are 1234, 5432 and 0; intensities of 1, 2 and 3 are 001, 002 and 003.
+constexpr std::string_view kEchoes = "ND0000000201000";
+
+Read read_echoes(const std::string& data, EchoChoice choice) {
+  std::string text = std::string(kEchoes) + "\n99b\n" + summed_line("m2@0");
+  for (std::size_t at = 0; at < data.size(); at += 64) {
+    text += summed_line(data.substr(at, 64));
+  }
+  return read(
+      text + "\n",
+      {.echo = kEchoes, .values_per_beam = choice == EchoChoice::kStrongest ? 2U : 1U, .beams = 3, .choice = choice});
+}
+
+TEST(ScipReplies, TakesTheFarthestOfSeveralEchoes) {
+  using Ranges = std::array<std::uint32_t, 3>;
+  EXPECT_EQ(read_echoes("0CB1Dh000", EchoChoice::kLast).ranges_mm, (Ranges{1234, 5432, 0}));
+  EXPECT_EQ(read_echoes("0CB&1Dh1Dh000&0CB&1Dh", EchoChoice::kLast).ranges_mm, (Ranges{5432, 5432, 5432}));
+  EXPECT_EQ(read_echoes("1Dh&0CB0000CB", EchoChoice::kLast).ranges_mm, (Ranges{5432, 0, 1234})) << "in any order";
+}
+
+TEST(ScipReplies, TakesTheStrongestOfSeveralEchoes) {
+  using Ranges = std::array<std::uint32_t, 3>;
+  const Read scan = read_echoes("0CB002&1Dh0011Dh001&0CB0020CB001&1Dh003&000002", EchoChoice::kStrongest);
+  EXPECT_EQ(scan.error, Errc::kOk);
+  EXPECT_EQ(scan.ranges_mm, (Ranges{1234, 1234, 5432}));
+  const std::string most = "0CB001&1Dh003&000002";  // of three beams, it takes more than a line
+  EXPECT_EQ(read_echoes(most + most + most, EchoChoice::kStrongest).ranges_mm, (Ranges{5432, 5432, 5432}));
+}
+
+TEST(ScipReplies, RefusesEchoesThatCannotBe) {
+  for (const char* const data :
+       {"&0CB1Dh000", "0CB1Dh000&", "0CB&1Dh000", "0CB1Dh&&000000", "0CB&0CB&0CB&0CB1Dh000", "0CB&1D&h000000",
+        "0CB1Dh00", "0CB1Dh000000", "0CB1Dh000&0CB0", "0CB&0CB&0CB1Dh&1Dh&1Dh000&000&000&000"}) {
+    EXPECT_EQ(read_echoes(data, EchoChoice::kLast).error, Errc::kWrongCount) << data;
+  }
+  EXPECT_EQ(read_echoes("0CB1Dh0&0", EchoChoice::kLast).error, Errc::kWrongCount) << "a separator within a number";
+  EXPECT_EQ(read_echoes("0CB1Dh0%0", EchoChoice::kLast).error, Errc::kFrameMalformed);
+  EXPECT_EQ(read_echoes("0CB1Dh0&0", EchoChoice::kOnly).error, Errc::kFrameMalformed) << "none was asked for";
 }
 
 TEST(ScipReplies, TellsScip1FromScip2) {
