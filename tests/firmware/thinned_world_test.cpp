@@ -21,7 +21,7 @@ RobotParams params(int submaps_max) {
   return params;
 }
 
-/// A file with sessions of two rounds each.
+/// A file with sessions of a round each.
 class ThinnedWorld : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -44,7 +44,6 @@ class ThinnedWorld : public ::testing::Test {
     left_out_ = continued.make_room(file, params(submaps_max).graph);
     Drive run(ring(18.0, 10.0), {0.002, 0.0, 0.0002});
     ASSERT_TRUE(continued.stored() == nullptr || run.graph.resume(continued.stored()->world()));
-    run.drive(kRound);
     run.drive(kRound);
     run.graph.finish();
     ASSERT_TRUE(run.graph.is_joined());
