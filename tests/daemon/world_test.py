@@ -15,7 +15,7 @@ import sqlite3
 import struct
 import time
 
-from support import alone, main, run
+from support import alone, main, poses, run
 from world_support import WORLD, WorldCase, content
 from fault_matrix import measured  # found by support
 
@@ -45,6 +45,10 @@ class World(WorldCase):
         for name in ("trajectory.tum", "pose_graph.g2o", "map.pgm", "map.yaml"):
             self.assertEqual(content(self.path("plain/" + name)), content(self.path("again/" + name)), name)
         self.assertIn("keyframes", self.world("info", self.path("w")).stdout)
+        self.world("export", self.path("w"), "--out", self.path("turned"), "--north", 0)  # what was ahead is up
+        for as_it_was, turned in zip(poses(self.path("again/trajectory.tum")).values(), poses(self.path("turned/trajectory.tum")).values()):
+            self.assertLess(math.dist(turned[:2], (-as_it_was[1], as_it_was[0])), 1e-5)
+            self.assertAlmostEqual(math.remainder(turned[2] - as_it_was[2] - math.pi / 2, 2 * math.pi), 0.0, 5)
         self.world("compact", self.path("w"))
         self.world("export", self.path("w"), "--out", self.path("coarse"), "--resolution", 0.2)
         self.assertEqual(content(self.path("again/trajectory.tum")), content(self.path("coarse/trajectory.tum")))

@@ -4,44 +4,29 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "config/config.hpp"
-#include "core/graph/trajectory_correction.hpp"
-#include "core/graph/world_map.hpp"
-#include "firmware/daemon/daemon_params.hpp"
 #include "firmware/world/thinned_world.hpp"
 #include "firmware/world/world_reader.hpp"
 #include "tools/command/error.hpp"
-#include "tools/output/g2o.hpp"
-#include "tools/output/map_files.hpp"
-#include "tools/output/map_picture.hpp"
 #include "tools/output/progress.hpp"
-#include "tools/output/result_folder.hpp"
-#include "tools/output/trajectory.hpp"
 #include "tools/output/whole_file.hpp"
+#include "tools/output/world_export.hpp"
 #include "tools/output/world_merge.hpp"
 #include "tools/output/world_output.hpp"
 
 namespace odoless {
 namespace {
 
-/// Of sessions, one after the other and again; to be told apart by all.
-constexpr std::array<Rgb, 5> kPathColours{{{220, 50, 32}, {0, 90, 181}, {230, 159, 0}, {46, 125, 50}, {136, 34, 85}}};
-
 struct WorldJob {
   std::filesystem::path file;
   std::filesystem::path other;
   std::filesystem::path out;
-  double resolution_m = 0.0;
-  int session = 0;
+  WorldExport asked;
   bool json = false;
-  bool force = false;
 };
 
 std::unique_ptr<StoredWorld> read(const std::filesystem::path& path, WorldFile& file) {
@@ -51,18 +36,6 @@ std::unique_ptr<StoredWorld> read(const std::filesystem::path& path, WorldFile& 
     throw DataError(path.string(), 0, reading.wrong, "a whole world; `odoless world check` says more");
   }
   return std::move(reading.world);
-}
-
-/// The part of a world that a session belongs to: what loop closures join it with; and which submaps these are.
-struct Joined {
-  std::vector<int> submaps;
-  WorldPart part;
-};
-
-Joined joined_to(const StoredWorld& world, const StoredSession& session) {
-  std::vector<int> submaps =
-      session.submaps > 0 ? connected_submaps(world.graph, session.first_submap) : std::vector<int>{};
-  return {submaps, part_of(world, submaps)};
 }
 
 double travel_m(const StoredWorld& world, const StoredSession& session) {
@@ -105,7 +78,7 @@ nlohmann::ordered_json session_json(const StoredWorld& world, std::size_t number
           {"travel_m", travel_m(world, session)},
           {"extent_x_m", extent.x_m},
           {"extent_y_m", extent.y_m},
-          {"joined_submaps", joined_to(world, session).submaps.size()}};
+          {"joined_submaps", joined_submaps(world, session).size()}};
 }
 
 nlohmann::ordered_json info_of(const WorldJob& job, const StoredWorld& world) {
@@ -160,93 +133,9 @@ void run_check(const WorldJob& job) {
              world->store.size(), world->submaps.size(), world->graph.constraints().size(), world->sessions.size());
 }
 
-/// What a session was run with; what this program does not know of it is said, and is then as built in.
-RobotParams params_of(const std::filesystem::path& file, const StoredSession& session) {
-  DaemonParams params;
-  try {
-    parse_parameters(session.about.configuration, "configuration in " + file.string(), params);
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "odoless: {}; the map is made with the built-in configuration\n", error.what());
-  }
-  return params.robot;
-}
-
-std::size_t chosen_session(const WorldJob& job, const StoredWorld& world) {
-  const int sessions = static_cast<int>(world.sessions.size());
-  if (job.session > sessions) {
-    throw UsageError(fmt::format("--session {}: there are {}", job.session, sessions));
-  }
-  int chosen = job.session;
-  for (int i = 1; job.session == 0 && i <= sessions; ++i) {
-    chosen = world.sessions[static_cast<std::size_t>(i - 1)].submaps > 0 ? i : chosen;
-  }
-  if (chosen == 0 || world.sessions[static_cast<std::size_t>(chosen - 1)].submaps == 0) {
-    throw DataError(job.file.string(), 0, "nothing was mapped", "a session with a submap");
-  }
-  return static_cast<std::size_t>(chosen - 1);
-}
-
-std::vector<StampedPose> trajectory_of(const StoredWorld& world, const StoredSession& session) {
-  TrajectoryCorrection correction;
-  for (int i = session.first_submap; i < session.first_submap + session.submaps; ++i) {
-    const Submap& submap = world.submaps[static_cast<std::size_t>(i)];
-    correction.add({submap.odom_T_submap, world.graph.pose(i), submap.origin_stamp_ns});
-  }
-  std::vector<StampedPose> poses = session.odometry;
-  correction.survey(poses);
-  correction.correct(poses);
-  return poses;
-}
-
-bool is_in(const Joined& joined, const StoredSession& session) {
-  return session.submaps > 0 && std::ranges::binary_search(joined.submaps, session.first_submap);
-}
-
-/// Where other sessions lie in this map is not known: they are left out, and that is said.
-void tell_of_others(const StoredWorld& world, const Joined& joined, std::size_t chosen) {
-  for (std::size_t i = 0; i < world.sessions.size(); ++i) {
-    if (world.sessions[i].submaps > 0 && !is_in(joined, world.sessions[i])) {
-      fmt::print(
-          stderr,
-          "odoless: session {} is left out: no loop closure joins it with session {}; `--session {}` exports it\n",
-          i + 1, chosen, i + 1);
-    }
-  }
-}
-
 void run_export(const WorldJob& job) {
   WorldFile file;
-  const std::unique_ptr<StoredWorld> world = read(job.file, file);
-  const std::size_t chosen = chosen_session(job, *world);
-  const StoredSession& session = world->sessions[chosen];
-  const RobotParams params = params_of(job.file, session);
-  const Joined joined = joined_to(*world, session);
-  ResultFolder folder(job.out, job.force);
-  const std::filesystem::path& out = folder.unfinished();
-  std::vector<ColouredPath> paths;
-  for (std::size_t i = 0; i < world->sessions.size(); ++i) {
-    if (is_in(joined, world->sessions[i])) {
-      const std::vector<StampedPose> poses =
-          robot_trajectory(trajectory_of(*world, world->sessions[i]), LaserPlace::of(params.mount));
-      paths.push_back({{}, kPathColours[i % kPathColours.size()], fmt::format("path of session {}", i + 1)});
-      std::ranges::transform(poses, std::back_inserter(paths.back().poses), &StampedPose::map_T_scan);
-      write_trajectory(out / (i == chosen ? "trajectory.tum" : fmt::format("trajectory_{}.tum", i + 1)), poses);
-    }
-  }
-  write_whole_file(out / "pose_graph.g2o", format_g2o(joined.part.graph));
-  const LslamParams& low = params.slam.low;
-  const OccupancyMap picture = render_world(joined.part.world(), low.beam, params.scan,
-                                            job.resolution_m > 0.0 ? job.resolution_m : low.grid.resolution_m);
-  if (!picture.occupancy_percent.empty()) {
-    write_map(out, picture);
-    const std::string title = fmt::format("{}, session {}", job.file.filename().string(), chosen + 1);
-    write_map_picture(out / "map.png", picture, paths, title);
-    write_graph_picture(out / "pose_graph.png", picture, joined.part.graph, title + ": pose graph");
-  }
-  folder.finish();
-  fmt::print("session {}, {} of {} submaps: {}\n", chosen + 1, joined.submaps.size(), world->submaps.size(),
-             job.out.string());
-  tell_of_others(*world, joined, chosen + 1);
+  export_world(*read(job.file, file), job.file, job.asked);
 }
 
 void run_compact(const WorldJob& job) {
@@ -379,11 +268,18 @@ void add_world(CLI::App& app) {
     run_check(*job);
   });
   CLI::App* const output = add_job(*world, "export", "Write map, trajectories and pose graph, with pictures", *job);
-  output->add_option("--out", job->out, "Folder for the results")->required();
-  output->add_flag("--force", job->force, "Replace the results that are in the folder");
-  output->add_option("--resolution", job->resolution_m, "Side of a map cell in metres; 0: as configured")
+  output->add_option("--out", job->asked.out, "Folder for the results")->required();
+  output->add_flag("--force", job->asked.force, "Replace the results that are in the folder");
+  output->add_option("--resolution", job->asked.resolution_m, "Side of a map cell in metres; 0: as configured")
       ->check(CLI::Range(0.0, 10.0));
-  output->add_option("--session", job->session, "Session, with those that loop closures join it with; 0: the last one")
+  output
+      ->add_option(
+          "--north", job->asked.north_deg,
+          "Where north is in the world's frame, in degrees counter-clockwise from x: all is turned so that north is up")
+      ->check(CLI::Range(-360.0, 360.0));
+  output
+      ->add_option("--session", job->asked.session,
+                   "Session, with those that loop closures join it with; 0: the last one")
       ->check(CLI::Range(0, 1000000));
   output->callback([job] { run_export(*job); });
   CLI::App* const merge = add_job(*world, "merge", "Join two worlds of one building in a new file", *job);
