@@ -28,11 +28,11 @@ constexpr double kExplained_share = 0.5;  // what a beam's fit counts beside the
 constexpr double kWorth_per_quality = 35.0;
 constexpr double kWorth_max = 3.5;
 constexpr double kWorth_expected = 5.0;
-constexpr double kWorth_found = 5.0;  // in a world of so many submaps; the more places, the more wrong ones fit
-constexpr double kFound_submaps = 40.0;
+constexpr double kWorth_guess = 2.0;  // in a world of so many submaps; the more places, the more wrong ones fit
+constexpr double kWorth_found = 5.0;
+constexpr double kFew_submaps = 40.0;
 constexpr double kWorth_margin = 2.5;  // over any other place
 constexpr double kAgree_share = 0.6;   // of the pieces, from the first one that agrees on
-constexpr double kWorth_guess = 3.0;   // a robot that stands still has but one piece to tell
 constexpr double kPieces_found = 8.0;  // corridors of different buildings are alike for some metres
 constexpr double kAgree_m = 0.6;
 constexpr double kAgree_rad = 0.08;
@@ -127,9 +127,9 @@ bool Localiser::work(const SubmapWorld& world, int submaps, SubmapMatcher& match
     if (!places_.empty()) {
       try_place(world, matcher, rng);
     } else {
-      agreeing_ = judge(submaps);
-      stage_ = agreeing_.empty() ? Stage::kIdle : Stage::kVerify;
-      guess_ = agreeing_.empty() ? std::nullopt : guess_;
+      agreement_ = judge(submaps);
+      stage_ = agreement_.members.empty() ? Stage::kIdle : Stage::kVerify;
+      guess_ = agreement_.members.empty() ? std::nullopt : guess_;
     }
   } else if (stage_ == Stage::kVerify) {
     verify(world, matcher, rng);
@@ -174,7 +174,7 @@ void Localiser::try_place(const SubmapWorld& world, SubmapMatcher& matcher, Rng&
 }
 
 void Localiser::verify(const SubmapWorld& world, SubmapMatcher& matcher, Rng& rng) {
-  const Candidate& newest = candidates_[agreeing_.back()];
+  const Candidate& newest = candidates_[agreement_.members.back()];
   take_piece(0);
   matcher.set_query(world.store, piece_);
   const int reference = newest.match.reference;
@@ -183,7 +183,7 @@ void Localiser::verify(const SubmapWorld& world, SubmapMatcher& matcher, Rng& rn
   guess_.reset();
   if (quality(world, reference, match).value_or(0.0) > kEven_path) {
     guess_ = world.graph.pose(reference) * match.reference_T_query * odom_T_piece_.inverse();
-    if (static_cast<double>(agreeing_.size()) >= kPieces_found || is_expected(newest)) {
+    if (agreement_.is_sure) {
       found_ = {reference, piece_[piece_.size() / 2].keyframe, is_expected(newest), match.covariance,
                 match.reference_T_query};
     }
@@ -224,7 +224,7 @@ bool Localiser::is_expected(const Candidate& candidate) const {
 }
 
 // What is expected needs less, but nothing may fit much better: the robot may have been carried off.
-std::vector<std::size_t> Localiser::judge(int submaps) const {
+Localiser::Agreement Localiser::judge(int submaps) const {
   Agreement best;
   const Candidate* winner = nullptr;
   for (const Candidate& each : candidates_) {
@@ -236,18 +236,19 @@ std::vector<std::size_t> Localiser::judge(int submaps) const {
   if (winner == nullptr) {
     return {};
   }
-  const double expected = is_expected(*winner) ? kWorth_expected : 0.0;
-  const double more_worth =
-      expected > 0.0 ? 0.0 : math::log(std::max(1.0, static_cast<double>(submaps) / kFound_submaps));
+  const bool was_expected = is_expected(*winner);
+  const double ahead = was_expected ? kWorth_expected : 0.0;
   const bool has_rival = std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& each) {
-    const double ahead = kWorth_margin - (is_expected(each) ? 0.0 : expected);
-    return are_apart(each, *winner) && agreeing_with(each).worth > best.worth - ahead;
+    return are_apart(each, *winner) &&
+           agreeing_with(each).worth > best.worth - kWorth_margin + (is_expected(each) ? 0.0 : ahead);
   });
-  const double needed = best.members.size() > 1 ? kWorth_found : kWorth_guess;
   const auto votes = static_cast<double>(best.members.size());
   const auto pieces = static_cast<double>(pieces_ - candidates_[best.members.front()].piece + 1);
-  const bool is_enough = best.worth + expected >= needed + more_worth;
-  return !has_rival && is_enough && votes >= kAgree_share * pieces ? best.members : std::vector<std::size_t>{};
+  const double worth =
+      best.worth +
+      (was_expected ? kWorth_expected : -math::log(std::max(1.0, static_cast<double>(submaps) / kFew_submaps)));
+  best.is_sure = worth >= kWorth_found && (votes >= kPieces_found || was_expected);
+  return !has_rival && worth >= kWorth_guess && votes >= kAgree_share * pieces ? best : Agreement{};
 }
 
 }  // namespace odoless

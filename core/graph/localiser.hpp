@@ -68,6 +68,7 @@ class Localiser {
   struct Agreement {
     std::vector<std::size_t> members;  ///< the best of each piece
     double worth = 0.0;
+    bool is_sure = false;  ///< enough to be found, if the path as a whole fits there
   };
 
   void begin_piece(const KeyframeStore& store);
@@ -77,8 +78,8 @@ class Localiser {
   [[nodiscard]] std::optional<double> quality(const SubmapWorld& world, int reference, const SubmapMatch& match);
   void take_places();
   void try_place(const SubmapWorld& world, SubmapMatcher& matcher, Rng& rng);
-  /// The best candidates that agree, if they are worth enough; none if not.
-  [[nodiscard]] std::vector<std::size_t> judge(int submaps) const;
+  /// The best candidates that agree, if they are worth a guess; none if not.
+  [[nodiscard]] Agreement judge(int submaps) const;
   void verify(const SubmapWorld& world, SubmapMatcher& matcher, Rng& rng);
   [[nodiscard]] bool agree(const Candidate& a, const Candidate& b) const;
   [[nodiscard]] bool is_expected(const Candidate& candidate) const;
@@ -105,7 +106,7 @@ class Localiser {
   int next_ = 0;  ///< submap to be looked at
   std::vector<FoundPlace> places_;
   std::vector<Candidate> candidates_;
-  std::vector<std::size_t> agreeing_;  ///< candidates to be verified
+  Agreement agreement_;  ///< to be verified
   std::optional<Pose2> guess_;
   std::optional<PieceMatch> found_;
 };
