@@ -118,7 +118,7 @@ ROWS = (
         ("ParseDatagram.RefusesAllElse", "Decoders.AcceptOnlySaneRecordsFromMutatedMessages")
         + daemon("split", "forged_motions_are_refused_and_said")),
     Row(34, "SIGSTOP for 0.1, 0.5 and 2 s", S, "stale scans dropped; OK <= 1 s after; no burst", COMBINED,
-        {f"recover of {stopped} s": 1.0 for stopped in ("0.1", "0.5", "2.0")},
+        {"recover at the start of a run": 1.0} | {f"recover of {stopped} s": 1.0 for stopped in ("0.1", "0.5", "2.0")},
         "a robot at rest; in the first 5 s of a run a stop of 2 s takes longer to be OK: no match score is usual yet"),
     Row(35, "a stage hangs", S, "ends by the watchdog <= 0.5 s and the saving; OK again <= 3 s",
         daemon("faults", "saves_what_is_known_when_a_stage_hangs"), {"flag": 0.5, "recover": 3.0},
