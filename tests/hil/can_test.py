@@ -14,6 +14,9 @@ except ImportError:
 from support import DaemonTest, program, run
 from host_watch import keep_promise  # found by support
 
+if can:
+    from foreign_drive import ForeignDrive
+
 LASER = 'device = "/nonexistent/laser"'
 NOT_LEVEL, DISOBEYS = "not level", "servo does not obey"
 
@@ -26,9 +29,6 @@ class CanTestBase(DaemonTest):
     def start_servo(self, *more):
         return self.start(*program("odoless", "emulate", "servo", "--cia402", "--can", "vcan0", *more))
 
-
-@unittest.skipUnless(os.path.exists("/sys/class/net/vcan0"), "no interface vcan0")
-class CanTest(CanTestBase):
     def start_tilting(self, more=""):
         self.start_daemon(LASER, f'[tilt]\ndriver = "cia402"\ndevice = "vcan0"\nsample_period_ms = 20.0\n{more}')
 
@@ -43,6 +43,9 @@ class CanTest(CanTestBase):
     def wait_until_it_obeys(self, seconds):
         return self.wait_until(self.obeys, seconds, "obedience")
 
+
+@unittest.skipUnless(os.path.exists("/sys/class/net/vcan0"), "no interface vcan0")
+class CanTest(CanTestBase):
     def test_the_daemon_brings_a_servo_up_and_sweeps_as_the_standard_has_it(self):
         dump = self.start("candump", "-L", "vcan0", stdout=open(self.path("bus.log"), "w", encoding="ascii"))
         self.wait_until(lambda: os.path.exists(self.path("bus.log")), 5)
@@ -129,6 +132,28 @@ class CanTest(CanTestBase):
 
 
 @unittest.skipUnless(can and os.path.exists("/sys/class/net/vcan0"), "no python3-can, or no interface vcan0")
+class ForeignDriveTest(CanTestBase):
+    BY_VALUE = {(0x605A, 0): 0x06090030, (0x6007, 0): 0x06090030, (0x1016, 1): 0x06040043}
+
+    def expect_sweeps(self, refused):
+        drive = ForeignDrive("vcan0", refused)
+        self.addCleanup(drive.end)
+        self.start_tilting('at_start = "sweep"\n')
+        try:
+            self.wait_until(lambda: drive.position() > 3000, 30, "a sweep up")
+            self.wait_until(lambda: drive.position() < -3000, 30, "a sweep down")
+        except AssertionError as error:
+            raise AssertionError(f"{error}:\n{self.report()}") from None
+        self.assertEqual(drive.refusals, set(refused))
+
+    def test_a_foreign_drive_sweeps(self):
+        self.expect_sweeps({})
+
+    def test_a_foreign_drive_that_refuses_optional_values_sweeps(self):
+        self.expect_sweeps(self.BY_VALUE)
+
+
+@unittest.skipUnless(can and os.path.exists("/sys/class/net/vcan0"), "no python3-can, or no interface vcan0")
 class ForeignMasterTest(CanTestBase):
     """A master that knows CiA 301 and 402 alone, with python3-can."""
 
@@ -189,3 +214,66 @@ class ForeignMasterTest(CanTestBase):
         self.wait_until(lambda: self.read(0x6041) & 0x1000, 5, "the set point's acknowledgement")
         self.wait_until(lambda: self.read(0x6041) & 0x400, 10, "target reached")
         self.assertLessEqual(abs(self.read(0x6064) - goal), 2)
+
+    def aborts(self, command, index, sub, value=0):
+        answer = self.sdo(struct.pack("<BHBI", command, index, sub, value))
+        return struct.unpack("<I", answer[4:])[0] if answer[0] == 0x80 else None
+
+    def heard(self, cob, seconds):
+        """How many frames with that id come in that time."""
+        end_s = time.monotonic() + seconds
+        count = 0
+        while (left_s := end_s - time.monotonic()) > 0:
+            frame = self.bus.recv(left_s)
+            count += bool(frame and frame.arbitration_id == cob)
+        return count
+
+    def test_it_finds_what_cia_301_has(self):
+        self.start_servo()
+        self.wait_until(lambda: self.bus.recv(0.1), 20, "the boot-up message")
+        self.assertEqual(self.read(0x1014), 0x80 + self.NODE)
+        for index, sub, code in ((0x1018, 9, 0x06090011), (0x6064, 1, 0x06090011), (0x2000, 0, 0x06020000)):
+            self.assertEqual(self.aborts(0x40, index, sub), code, f"{index:X}:{sub}")
+        self.assertEqual(self.aborts(0x23, 0x1800, 1, 0x182), 0x06090030, "a valid PDO keeps its id")
+        for request in (b"\x80\x64\x60\0\0\0\x04\x05", b"\x40\x64\x60\0"):
+            self.say(0x600 + self.NODE, request)
+            self.assertEqual(self.heard(0x580 + self.NODE, 0.5), 0, f"an answer to {request.hex()}")
+        self.assertEqual(self.sdo(b"\x21\x81\x60\0\x04")[0], 0x60)
+        self.assertEqual(self.sdo(b"\x07\x78\x56\x34\x12")[0], 0x20)
+        self.assertEqual(self.read(0x6081), 0x12345678, "a download by segments")
+
+    def test_it_sends_a_pdo_at_every_third_sync(self):
+        self.start_servo()
+        self.wait_until(lambda: self.bus.recv(0.1), 20, "the boot-up message")
+        for value, size, index, sub in ((-2**31 + 0x181, 4, 0x1800, 1), (0, 1, 0x1A00, 0), (0x60410010, 4, 0x1A00, 1),
+                                        (1, 1, 0x1A00, 0), (3, 1, 0x1800, 2), (0x40000181, 4, 0x1800, 1)):
+            self.write(index, value, size, sub)
+        self.say(0, [0x01, self.NODE])
+        self.say(0x201, b"\x06")  # too short: told, not taken
+        self.hear(0x80 + self.NODE)
+        for _ in range(9):
+            self.say(0x80, b"")
+            time.sleep(0.02)
+        self.assertEqual(self.heard(0x181, 0.5), 3)
+
+    def test_it_finds_what_cia_402_has(self):
+        self.start_servo("--fault", "error=8976@0:1")
+        self.hear(0x80 + self.NODE, seconds=20)
+        self.assertEqual(self.read(0x1001), 0x03, "something, and the current")
+        self.assertEqual(self.read(0x6502), 0xA1)
+        self.assertEqual(self.aborts(0x2F, 0x6060, 0, 100), 0x06090030, "a mode that no drive has")
+        time.sleep(1)
+        for word in (0x00, 0x80):
+            self.write(0x6040, word, 2)
+        self.assertEqual(self.hear(0x80 + self.NODE)[:2], b"\0\0", "the error is gone")
+        self.assertEqual(self.read(0x1001), 0)
+
+    def test_it_leaves_the_operational_state_without_its_master(self):
+        self.start_servo()
+        self.wait_until(lambda: self.bus.recv(0.1), 20, "the boot-up message")
+        self.write(0x1017, 50, 2)
+        self.write(0x1016, 127 << 16 | 200, 4, 1)
+        self.say(0, [0x01, self.NODE])
+        self.hear(0x700 + self.NODE, b"\x05")
+        self.say(0x77F, b"\x05")
+        self.hear(0x700 + self.NODE, b"\x7f")
