@@ -19,6 +19,11 @@ constexpr double kFixed = 1e9;
 /// Of the first unknown of a node; each has three.
 Eigen::Index row_of(int node) { return Eigen::Index{3} * node; }
 
+/// Whether a constraint moves anything: it holds, and not all that it joins is held.
+bool is_used(const PoseGraph& graph, const Constraint& constraint) {
+  return constraint.weight > 0.0 && std::max(constraint.from, constraint.to) >= graph.held();
+}
+
 double scaled_weight(double squared_error) {
   const double scale = std::min(1.0, 2.0 * kScaling / (kScaling + squared_error));
   return scale * scale;
@@ -88,10 +93,43 @@ void GraphSolver::add_block(int row, int column, const Eigen::Matrix3d& block) {
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) {
       if (3 * row + i >= 3 * column + k) {
-        entries_.emplace_back(3 * row + i, 3 * column + k, block(i, k));
+        hessian_.coeffRef(3 * row + i, 3 * column + k) += block(i, k);
       }
     }
   }
+}
+
+void GraphSolver::lay_out(const PoseGraph& graph) {
+  blocks_.clear();
+  for (int node = 0; node < graph.size(); ++node) {
+    blocks_.push_back({node, node});
+  }
+  for (const Constraint& constraint : graph.constraints()) {
+    if (is_used(graph, constraint)) {
+      const auto [column, row] = std::minmax(constraint.from, constraint.to);
+      blocks_.push_back({column, row});
+    }
+  }
+  std::sort(blocks_.begin(), blocks_.end());
+  blocks_.erase(std::unique(blocks_.begin(), blocks_.end()), blocks_.end());
+  hessian_.resize(row_of(graph.size()), row_of(graph.size()));
+  hessian_.reserve(static_cast<Eigen::Index>(9 * blocks_.size()));
+  for (auto column = blocks_.begin(); column != blocks_.end();) {
+    const auto end = std::find_if(column, blocks_.end(), [&](const Block& block) { return block[0] != (*column)[0]; });
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Index at = row_of((*column)[0]) + k;
+      hessian_.startVec(at);
+      for (auto block = column; block != end; ++block) {
+        for (Eigen::Index row = row_of((*block)[1]); row < row_of((*block)[1]) + 3; ++row) {
+          if (row >= at) {
+            hessian_.insertBack(row, at) = 0.0;
+          }
+        }
+      }
+    }
+    column = end;
+  }
+  hessian_.finalize();
 }
 
 double GraphSolver::move(PoseGraph& graph) const {
@@ -113,14 +151,15 @@ GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max, con
   const bool has_new =
       std::any_of(graph.constraints().begin(), graph.constraints().end(), [](const Constraint& c) { return c.is_new; });
   const int at_least = has_new ? kIterations_new + kIterations_settle : 0;
-  bool is_analysed = false;
+  lay_out(graph);
+  factor_.analyzePattern(hessian_);
   bool has_converged = false;
   while (report.iterations < iterations_max && !has_converged) {
-    entries_.clear();
+    hessian_.coeffs().setZero();
     gradient_.setZero(row_of(graph.size()));
     report.chi2 = 0.0;
     for (Constraint& constraint : graph.constraints()) {
-      if (constraint.weight > 0.0 && std::max(constraint.from, constraint.to) >= graph.held()) {
+      if (is_used(graph, constraint)) {
         report.chi2 += add(graph, constraint, report.iterations < kIterations_new);
       }
     }
@@ -132,12 +171,6 @@ GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max, con
         add_block(node, node, kFixed * Eigen::Matrix3d::Identity());
       }
     }
-    hessian_.resize(row_of(graph.size()), row_of(graph.size()));
-    hessian_.setFromTriplets(entries_.begin(), entries_.end());
-    if (!is_analysed) {
-      factor_.analyzePattern(hessian_);
-      is_analysed = true;
-    }
     factor_.factorize(hessian_);
     step_ = factor_.solve(gradient_);
     const double moved_m = move(graph);
@@ -145,7 +178,7 @@ GraphSolver::Report GraphSolver::solve(PoseGraph& graph, int iterations_max, con
     has_converged = moved_m < kConverged_m && report.iterations > at_least;
   }
   for (Constraint& constraint : graph.constraints()) {
-    if (constraint.is_loop && constraint.weight > 0.0 && std::max(constraint.from, constraint.to) >= graph.held()) {
+    if (constraint.is_loop && is_used(graph, constraint)) {
       constraint.weight = scaled_weight(squared_error(graph, constraint));
     }
   }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Sparse>
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -28,6 +30,10 @@ class GraphSolver {
     double chi2 = 0.0;  ///< sum of the weighted squared errors
   };
 
+  /// What a solution takes for each constraint that the graph has room for, where a robot drives up and down one storey
+  /// until there is no more: twice the normal equations, and their factor with what fills up.
+  static constexpr std::size_t kBytes_per_constraint = 512;
+
   GraphSolver() = default;
   /// What is kept from one solution to the next is room alone.
   GraphSolver(const GraphSolver& /*other*/) {}
@@ -39,16 +45,19 @@ class GraphSolver {
 
  private:
   using Matrix = Eigen::SparseMatrix<double>;
+  using Block = std::array<int, 2>;  ///< nodes: of the columns, and of the rows
 
+  /// Gives the Hessian its pattern: blocks of nodes, and of constraints that move them.
+  void lay_out(const PoseGraph& graph);
   /// Adds a constraint's part to the normal equations. @return  Its weighted squared error.
   double add(const PoseGraph& graph, Constraint& constraint, bool in_full);
   double add(const PoseGraph& graph, const PosePrior& prior);
-  /// Adds a block of the Hessian's lower triangle.
+  /// Adds to a block of the Hessian's lower triangle that is laid out.
   void add_block(int row, int column, const Eigen::Matrix3d& block);
   /// Largest step of a node, in metres.
   double move(PoseGraph& graph) const;
 
-  std::vector<Eigen::Triplet<double>> entries_;
+  std::vector<Block> blocks_;
   Eigen::VectorXd gradient_;
   Eigen::VectorXd step_;
   Matrix hessian_;

@@ -98,7 +98,7 @@ std::vector<MemoryShare> memory_budget(const DaemonParams& params) {
   add("poses that wait for the disk", PoseSpool::kWaitingMax * sizeof(PoseSpool::Entry));
   add("stacks of the threads",
       (kStages + (params.gpio.is_used() ? 1 : 0)) * ThreadParams{}.stack_bytes +
-          (params.robot.graph.enabled ? GraphFeed::kStack_bytes + GraphFeed::kScratch_bytes : 0) +
+          (params.robot.graph.enabled ? GraphFeed::kStack_bytes + GraphFeed::scratch_bytes(params.robot.graph) : 0) +
           2 * kPublisherStack_bytes + kFirstStack_bytes);
   if (!params.world.file.empty()) {
     add("world file: its thread's stack, pages, what waits", WorldKeeper::kStack_bytes + WorldKeeper::kScratch_bytes);

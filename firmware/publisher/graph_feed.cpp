@@ -10,6 +10,7 @@
 
 #include "core/geometry/matrix_rows.hpp"
 #include "core/geometry/pose2_covariance.hpp"
+#include "core/graph/graph_solver.hpp"
 #include "core/graph/world_map.hpp"
 #include "firmware/threads/round.hpp"
 #include "rt/cpu_clock.hpp"
@@ -17,6 +18,7 @@
 namespace odoless {
 namespace {
 
+constexpr std::size_t kScratch_bytes = std::size_t{4} << 20;  // of matches
 constexpr int kNice = 10;
 constexpr std::int64_t kRest = 3;  // times the CPU time of a step
 
@@ -37,11 +39,15 @@ GraphFeed::GraphFeed(const RobotParams& params, std::uint64_t seed, bool lossles
   corrections_.reserve(kCorrections);
   begin_anew();
   // Memory that was used once stays with the process (MemoryLock): what a step takes for a while is there already.
-  std::vector<std::byte> scratch(kScratch_bytes);
+  std::vector<std::byte> scratch(scratch_bytes(params.graph));
   static_cast<volatile std::byte&>(scratch.back()) = {};
   for (Job& job : jobs_) {
     job.codes.reserve(static_cast<std::size_t>(params.graph.keyframe_beams_max));
   }
+}
+
+std::size_t GraphFeed::scratch_bytes(const GraphParams& params) {
+  return kScratch_bytes + GraphSolver::kBytes_per_constraint * static_cast<std::size_t>(params.constraints_max);
 }
 
 bool GraphFeed::resume(const SubmapWorld& world, WorldUse use, const std::optional<PlaceBySubmap>& last) {

@@ -32,7 +32,8 @@ namespace odoless {
 class GraphFeed {
  public:
   static constexpr std::size_t kStack_bytes = std::size_t{2} << 20;
-  static constexpr std::size_t kScratch_bytes = std::size_t{4} << 20;  ///< of matches and solutions
+  /// Of matches and solutions.
+  [[nodiscard]] static std::size_t scratch_bytes(const GraphParams& params);
 
   using Patience = std::chrono::milliseconds;
   using Observer = std::function<void(const Keyframe&, std::span<const BeamCode>)>;

@@ -3,12 +3,14 @@
 #include "core/graph/graph_solver.hpp"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
 
 #include "core/base/rng.hpp"
 
@@ -164,6 +166,41 @@ TEST(GraphSolver, IsTheSameAgain) {
     EXPECT_EQ(first.graph.pose(i).x_m, second.graph.pose(i).x_m);
     EXPECT_EQ(first.graph.pose(i).yaw_rad, second.graph.pose(i).yaw_rad);
   }
+}
+
+// What it keeps; the normal equations, permuted, come on top while it solves.
+TEST(GraphSolver, TakesTheMemoryThatItSaysWhereARobotGoesUpAndDownAStoreyUntilThereIsNoRoom) {
+  constexpr int kPlaces = 34;
+  constexpr int kClosures = 24;  // of a submap
+  constexpr int kConstraints = 12288;
+  const auto place_of = [](int node) { return std::abs((node + kPlaces) % (2 * kPlaces) - kPlaces); };
+  const Eigen::Matrix3d covariance = diagonal(0.05, 0.02);
+  PoseGraph graph(2048, 16384);
+  Rng rng(1);
+  for (int node = 0; graph.has_room(16384 - kConstraints + kClosures); ++node) {
+    static_cast<void>(graph.add_node({5.0 * place_of(node), 0.0, 0.0}));
+    int closures = node > 0 ? 0 : kClosures;
+    if (node > 0) {
+      graph.add({.from = node - 1, .to = node, .from_T_to = graph.between(node - 1, node), .covariance = covariance});
+    }
+    for (int older = node - 2; older >= 0 && closures < kClosures; --older) {
+      if (std::abs(place_of(older) - place_of(node)) <= 1 && rng.uniform() < 0.5) {
+        graph.add({.from = older,
+                   .to = node,
+                   .from_T_to = graph.between(older, node),
+                   .covariance = covariance,
+                   .is_loop = true});
+        ++closures;
+      }
+    }
+  }
+  const auto heap_bytes = [] { return mallinfo2().uordblks + mallinfo2().hblkhd; };
+  const std::size_t before_bytes = heap_bytes();
+  GraphSolver solver;
+  static_cast<void>(solver.solve(graph, 3));
+  const double kept_bytes = static_cast<double>(heap_bytes()) - static_cast<double>(before_bytes);
+  EXPECT_LT(kept_bytes, 0.75 * GraphSolver::kBytes_per_constraint * 16384);
+  RecordProperty("kept_bytes", std::to_string(kept_bytes));
 }
 
 }  // namespace
