@@ -30,7 +30,7 @@ class CanTestBase(DaemonTest):
         return self.start(*program("odoless", "emulate", "servo", "--cia402", "--can", "vcan0", *more))
 
     def start_tilting(self, more=""):
-        self.start_daemon(LASER, f'[tilt]\ndriver = "cia402"\ndevice = "vcan0"\nsample_period_ms = 20.0\n{more}')
+        return self.start_daemon(LASER, f'[tilt]\ndriver = "cia402"\ndevice = "vcan0"\nsample_period_ms = 20.0\n{more}')
 
     def report(self):
         self.log.seek(0)
@@ -136,21 +136,32 @@ class ForeignDriveTest(CanTestBase):
     BY_VALUE = {(0x605A, 0): 0x06090030, (0x6007, 0): 0x06090030, (0x1016, 1): 0x06040043}
 
     def expect_sweeps(self, refused):
+        """@return  The drive and the daemon, in the middle of a sweep."""
         drive = ForeignDrive("vcan0", refused)
         self.addCleanup(drive.end)
-        self.start_tilting('at_start = "sweep"\n')
+        daemon = self.start_tilting('at_start = "sweep"\n')
         try:
             self.wait_until(lambda: drive.position() > 3000, 30, "a sweep up")
             self.wait_until(lambda: drive.position() < -3000, 30, "a sweep down")
         except AssertionError as error:
             raise AssertionError(f"{error}:\n{self.report()}") from None
         self.assertEqual(drive.refusals, set(refused))
+        return drive, daemon
 
     def test_a_foreign_drive_sweeps(self):
         self.expect_sweeps({})
 
     def test_a_foreign_drive_that_refuses_optional_values_sweeps(self):
         self.expect_sweeps(self.BY_VALUE)
+
+    def test_a_foreign_drive_holds_still_at_the_daemons_end(self):
+        drive, daemon = self.expect_sweeps({})
+        self.wait_until(lambda: -1000 < drive.position() < 1000, 30, "the middle of a sweep")
+        daemon.send_signal(signal.SIGTERM)
+        daemon.wait(timeout=20)
+        at_the_end = drive.position()
+        time.sleep(1)
+        self.assertEqual(drive.position(), at_the_end)
 
 
 @unittest.skipUnless(can and os.path.exists("/sys/class/net/vcan0"), "no python3-can, or no interface vcan0")

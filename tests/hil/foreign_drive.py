@@ -6,7 +6,8 @@ import time
 
 import can
 
-STEP_COUNTS = 400  # to the target at each SYNC
+SPEED_CPS = 8000  # counts per second
+MOVE_S = 0.02
 VALUES = {(0x1000, 0): 0x00020192, (0x6040, 0): 0, (0x6060, 0): 0, (0x6064, 0): 0, (0x606C, 0): 0, (0x607A, 0): 0, (0x6502, 0): 1,
           (0x1017, 0): 0, (0x6041, 0): 0x40, (0x6061, 0): 0}
 NO_OBJECT = 0x06020000
@@ -37,7 +38,7 @@ class ForeignDrive:
         self.objects = dict(VALUES)
         self.target = 0
         self.is_operational = False
-        self.beats_at_s = time.monotonic()
+        self.beats_at_s = self.moves_at_s = time.monotonic()
         self.send(0x700, b"\0")
 
     def send(self, function, data):
@@ -48,6 +49,9 @@ class ForeignDrive:
             frame = self.bus.recv(0.01)
             if frame:
                 self.receive(frame.arbitration_id, bytes(frame.data))
+            while time.monotonic() >= self.moves_at_s:
+                self.moves_at_s += MOVE_S
+                self.move()
             period_s = 1e-3 * self.objects[0x1017, 0]
             if period_s and time.monotonic() >= self.beats_at_s:
                 self.beats_at_s = time.monotonic() + period_s
@@ -62,9 +66,8 @@ class ForeignDrive:
         elif cob == 0x600 + self.node and len(data) == 8:
             self.answer(data)
         elif cob == 0x80 and self.is_operational:
-            self.move()
-            for number in (0, 1):
-                self.send_pdo(number)
+            self.send_pdo(0)
+            self.send_pdo(1)
         elif cob == self.objects.get((0x1400, 1), 0) and self.is_operational:
             self.take_pdo(data)
 
@@ -115,8 +118,8 @@ class ForeignDrive:
 
     def move(self):
         if self.objects[0x6041, 0] & 0x6F == 0x27:
-            left = self.target - self.position()
-            self.objects[0x6064, 0] += max(-STEP_COUNTS, min(STEP_COUNTS, left))
+            step = int(SPEED_CPS * MOVE_S)
+            self.objects[0x6064, 0] += max(-step, min(step, self.target - self.position()))
         is_there = self.position() == self.target
         self.objects[0x6041, 0] = self.objects[0x6041, 0] & ~0x400 | (0x400 if is_there else 0)
 
