@@ -30,6 +30,12 @@ box 5.2 2.1  0.5 0.6
 speed 0.3
 go 0.8 1.2  2.2 1.3  3.6 1.1  5 1.2
 """
+# Past the furniture of room A of rooms.world, which a laser that sees 3 m has in sight all the way.
+ROOM_A = """
+speed 0.15
+turn_rate 20
+go 2.6 2.6  1.9 1.7  3.4 1.6  3.6 1.3
+"""
 PROBED = {
     "scip": ("urg-04lx", "utm-30lx", "utm-30lx-ew"),
     "rplidar": ("rplidar-a1", "rplidar-a3", "rplidar-c1", "rplidar-s1", "rplidar-s2", "rplidar-s3"),
@@ -169,6 +175,14 @@ class LasersTest(DaemonCase):
         self.world = self.path("aisle.world")
         with open(self.world, "w", encoding="utf-8") as file:
             file.write(AISLE)
+        self.expect_maps(self.network_robot_file("robot-lms4124.toml"), "lms4124", 60.0)
+
+    def test_maps_part_of_a_room_with_an_lms4124(self):
+        with open(WORLD, encoding="utf-8") as file:
+            walls = [line for line in file if not line.startswith(("speed", "turn_rate", "go"))]
+        self.world = self.path("room_a.world")
+        with open(self.world, "w", encoding="utf-8") as file:
+            file.writelines([*walls, ROOM_A])
         self.expect_maps(self.network_robot_file("robot-lms4124.toml"), "lms4124", 60.0)
 
     def test_maps_with_a_laser_of_ones_own(self):
