@@ -37,7 +37,8 @@ turn_rate 20
 go 2.6 2.6  1.9 1.7  3.4 1.6  3.6 1.3
 """
 PROBED = {
-    "scip": ("urg-04lx", "utm-30lx", "utm-30lx-ew"),
+    "scip": ("urg-04lx", "ust-10lx", "utm-30lx", "utm-30lx-ew"),
+    "sick": ("lms200",),
     "rplidar": ("rplidar-a1", "rplidar-a3", "rplidar-c1", "rplidar-s1", "rplidar-s2", "rplidar-s3"),
     "ldrobot": ("ld06", "ld19", "stl-27l"),
     "ydlidar": ("ydlidar-x2", "ydlidar-x4", "ydlidar-g4", "ydlidar-tg30"),
@@ -56,7 +57,6 @@ def free_port():
 
 class LasersTest(DaemonCase):
     port = None  # of a laser on a network
-    world = WORLD
 
     def robot_file(self, name, **values):
         """The robot file with its laser on the emulator's line, and nothing of the network."""
@@ -76,7 +76,15 @@ class LasersTest(DaemonCase):
     def start_laser(self, *more):
         if self.port is None:
             return super().start_laser(*more)
-        return self.start("odoless", "emulate", "lrf", "--from", self.world, "--tcp", str(self.port), *more)
+        return self.start("odoless", "emulate", "lrf", "--from", self.laser_world, "--tcp", str(self.port), *more)
+
+    def other_way(self, left_out, instead):
+        """rooms.world with other statements instead of those that begin so."""
+        with open(WORLD, encoding="utf-8") as file:
+            rest = [line for line in file if not line.startswith(left_out)]
+        with open(self.path("other_way.world"), "w", encoding="utf-8") as file:
+            file.writelines([*rest, instead])
+        return file.name
 
     def error_m(self, model, rate_hz):
         """Of the path as it was published at the time, after a drive (RMS)."""
@@ -137,6 +145,16 @@ class LasersTest(DaemonCase):
     def test_maps_with_a_hokuyo_of_several_echoes(self):
         self.expect_maps(self.network_robot_file("robot-utm-30lx-ew.toml"), "utm-30lx-ew", 40.0)
 
+    def test_maps_with_a_hokuyo_on_ethernet(self):
+        self.expect_maps(self.network_robot_file("robot-ust-10lx.toml"), "ust-10lx", 40.0)
+
+    def test_maps_with_an_urg_04lx(self):
+        self.laser_world = self.other_way("speed", "speed 0.9\n")  # as its robot file says
+        self.expect_maps(self.robot_file("robot-urg-04lx.toml"), "urg-04lx")
+
+    def test_maps_with_an_lms200(self):
+        self.expect_maps(self.robot_file("robot-lms200.toml"), "lms200", 37.5)
+
     def test_maps_with_an_rplidar_c1(self):
         self.expect_maps(self.robot_file("robot-rplidar.toml", baud=460800, rplidar_beams=500), "rplidar-c1")
 
@@ -172,17 +190,13 @@ class LasersTest(DaemonCase):
         self.expect_maps(self.network_robot_file("robot-lms111.toml"), "lms111", 50.0)
 
     def test_maps_an_aisle_with_an_lms4124(self):
-        self.world = self.path("aisle.world")
-        with open(self.world, "w", encoding="utf-8") as file:
+        self.laser_world = self.path("aisle.world")
+        with open(self.laser_world, "w", encoding="utf-8") as file:
             file.write(AISLE)
         self.expect_maps(self.network_robot_file("robot-lms4124.toml"), "lms4124", 60.0)
 
     def test_maps_part_of_a_room_with_an_lms4124(self):
-        with open(WORLD, encoding="utf-8") as file:
-            walls = [line for line in file if not line.startswith(("speed", "turn_rate", "go"))]
-        self.world = self.path("room_a.world")
-        with open(self.world, "w", encoding="utf-8") as file:
-            file.writelines([*walls, ROOM_A])
+        self.laser_world = self.other_way(("speed", "turn_rate", "go"), ROOM_A)
         self.expect_maps(self.network_robot_file("robot-lms4124.toml"), "lms4124", 60.0)
 
     def test_maps_with_a_laser_of_ones_own(self):

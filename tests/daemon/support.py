@@ -83,6 +83,8 @@ def yaw_errors_deg(truth, estimate):
 
 
 class DaemonCase(unittest.TestCase):
+    laser_world = WORLD  # where the laser is
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -115,7 +117,7 @@ class DaemonCase(unittest.TestCase):
         process.communicate()
 
     def start_laser(self, *more):
-        laser = self.start("odoless", "emulate", "lrf", "--from", WORLD, "--pty", self.path("laser"), *more)
+        laser = self.start("odoless", "emulate", "lrf", "--from", self.laser_world, "--pty", self.path("laser"), *more)
         self.wait_until(lambda: os.path.lexists(self.path("laser")), 10)
         self.addCleanup(self.forget, "laser")  # before it is ended
         return laser

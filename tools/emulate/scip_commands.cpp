@@ -136,7 +136,7 @@ std::string ScipDevice::status_of_setting(const std::string& line) {
 std::string ScipDevice::version() const {
   return scip::summed("00") + key_line("VEND", "Hokuyo Automatic Co.,Ltd.") +
          key_line("PROD", fmt::format("{}(emulated)", model_.product)) + key_line("FIRM", "1.0.00(odoless)") +
-         key_line("PROT", "SCIP 2.0") + key_line("SERI", "H0000001") + '\n';
+         key_line("PROT", model_.protocol) + key_line("SERI", "H0000001") + '\n';
 }
 
 std::string ScipDevice::parameters() const {

@@ -7,7 +7,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<ScipModel, 3> kModels{{
+constexpr std::array<ScipModel, 4> kModels{{
     {.name = "utm-30lx",
      .product = "UTM-30LX",
      .range_min_mm = 23,
@@ -55,6 +55,23 @@ constexpr std::array<ScipModel, 3> kModels{{
      .near_code = 7,
      .range_sd_m = 0.010,
      .is_newer = false,
+     .has_echoes = false},
+    {.name = "ust-10lx",
+     .product = "UST-10LX",
+     .protocol = "SCIP 2.2",
+     .range_min_mm = 20,
+     .range_max_mm = 30000,
+     .range_far_mm = 10000,
+     .steps_per_turn = 1440,
+     .first_step = 0,
+     .last_step = 1080,
+     .front_step = 540,
+     .turns_per_minute = 2400,
+     .boots_in_scip1 = false,
+     .far_code = 65533,
+     .near_code = 0,
+     .range_sd_m = 0.015,
+     .is_newer = true,
      .has_echoes = false},
 }};
 

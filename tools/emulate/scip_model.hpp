@@ -10,10 +10,11 @@
 
 namespace odoless {
 
-/// A laser that speaks SCIP 2.0, as its sheet and its answers to VV, PP and II have it.
+/// A laser that speaks SCIP 2.0 or what came of it, as its sheet and its answers to VV, PP and II have it.
 struct ScipModel {
   std::string_view name;     ///< as in drivers/lrf/models.hpp
   std::string_view product;  ///< MODL and PROD
+  std::string_view protocol = "SCIP 2.0";
   int range_min_mm;
   int range_max_mm;  ///< what PP says
   int range_far_mm;  ///< what it really sees
