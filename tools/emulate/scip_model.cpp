@@ -7,73 +7,63 @@
 namespace odoless {
 namespace {
 
-constexpr std::array<ScipModel, 4> kModels{{
-    {.name = "utm-30lx",
-     .product = "UTM-30LX",
-     .range_min_mm = 23,
-     .range_max_mm = 60000,
-     .range_far_mm = 30000,
-     .steps_per_turn = 1440,
-     .first_step = 0,
-     .last_step = 1080,
-     .front_step = 540,
-     .turns_per_minute = 2400,
-     .boots_in_scip1 = false,
-     .far_code = 1,
-     .near_code = 2,
-     .range_sd_m = 0.010,
-     .is_newer = true,
-     .has_echoes = false},
-    {.name = "utm-30lx-ew",
-     .product = "UTM-30LX-EW",
-     .range_min_mm = 23,
-     .range_max_mm = 60000,
-     .range_far_mm = 30000,
-     .steps_per_turn = 1440,
-     .first_step = 0,
-     .last_step = 1080,
-     .front_step = 540,
-     .turns_per_minute = 2400,
-     .boots_in_scip1 = false,
-     .far_code = 1,
-     .near_code = 2,
-     .range_sd_m = 0.010,
-     .is_newer = true,
-     .has_echoes = true},
-    {.name = "urg-04lx",
-     .product = "URG-04LX",
-     .range_min_mm = 20,
-     .range_max_mm = 5600,
-     .range_far_mm = 5600,
-     .steps_per_turn = 1024,
-     .first_step = 44,
-     .last_step = 725,
-     .front_step = 384,
-     .turns_per_minute = 600,
-     .boots_in_scip1 = true,
-     .far_code = 0,
-     .near_code = 7,
-     .range_sd_m = 0.010,
-     .is_newer = false,
-     .has_echoes = false},
-    {.name = "ust-10lx",
-     .product = "UST-10LX",
-     .protocol = "SCIP 2.2",
-     .range_min_mm = 20,
-     .range_max_mm = 30000,
-     .range_far_mm = 10000,
-     .steps_per_turn = 1440,
-     .first_step = 0,
-     .last_step = 1080,
-     .front_step = 540,
-     .turns_per_minute = 2400,
-     .boots_in_scip1 = false,
-     .far_code = 65533,
-     .near_code = 0,
-     .range_sd_m = 0.015,
-     .is_newer = true,
-     .has_echoes = false},
-}};
+constexpr ScipModel kUtm{.name = "utm-30lx",
+                         .product = "UTM-30LX",
+                         .range_min_mm = 23,
+                         .range_max_mm = 60000,
+                         .range_far_mm = 30000,
+                         .steps_per_turn = 1440,
+                         .first_step = 0,
+                         .last_step = 1080,
+                         .front_step = 540,
+                         .turns_per_minute = 2400,
+                         .boots_in_scip1 = false,
+                         .far_code = 1,
+                         .near_code = 2,
+                         .range_sd_m = 0.010,
+                         .is_newer = true,
+                         .has_echoes = false};
+
+constexpr ScipModel several_echoes() {
+  ScipModel model = kUtm;
+  model.name = "utm-30lx-ew";
+  model.product = "UTM-30LX-EW";
+  model.has_echoes = true;
+  return model;
+}
+
+constexpr ScipModel ust() {
+  ScipModel model = kUtm;
+  model.name = "ust-10lx";
+  model.product = "UST-10LX";
+  model.protocol = "SCIP 2.2";
+  model.range_min_mm = 20;
+  model.range_max_mm = 30000;
+  model.range_far_mm = 10000;
+  model.far_code = 65533;
+  model.near_code = 0;
+  model.range_sd_m = 0.015;
+  return model;
+}
+
+constexpr ScipModel kUrg{.name = "urg-04lx",
+                         .product = "URG-04LX",
+                         .range_min_mm = 20,
+                         .range_max_mm = 5600,
+                         .range_far_mm = 5600,
+                         .steps_per_turn = 1024,
+                         .first_step = 44,
+                         .last_step = 725,
+                         .front_step = 384,
+                         .turns_per_minute = 600,
+                         .boots_in_scip1 = true,
+                         .far_code = 0,
+                         .near_code = 7,
+                         .range_sd_m = 0.010,
+                         .is_newer = false,
+                         .has_echoes = false};
+
+constexpr std::array kModels{kUtm, several_echoes(), kUrg, ust()};
 
 }  // namespace
 
