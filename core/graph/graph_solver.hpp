@@ -22,6 +22,7 @@ struct PosePrior {
 /// method 9], new loop closures in full for the first iterations, so that a large loop can close. The first node of
 /// each component stays, and so do nodes that are held, which cost nothing.
 ///
+/// One for each solution: what it takes then comes from the same memory again, however the graph has grown.
 /// Thread: owned by one thread. Not for real-time threads: it allocates.
 class GraphSolver {
  public:
@@ -31,14 +32,8 @@ class GraphSolver {
   };
 
   /// What a solution takes for each constraint that the graph has room for, where a robot drives up and down one storey
-  /// until there is no more: twice the normal equations, and their factor with what fills up.
-  static constexpr std::size_t kBytes_per_constraint = 512;
-
-  GraphSolver() = default;
-  /// What is kept from one solution to the next is room alone.
-  GraphSolver(const GraphSolver& /*other*/) {}
-  GraphSolver& operator=(const GraphSolver& /*other*/) { return *this; }
-  ~GraphSolver() = default;
+  /// until there is no more: half of it to put the nodes into an order whose factor is small.
+  static constexpr std::size_t kBytes_per_constraint = 896;
 
   /// @return  Of the last iteration. Sets the weights of loop closures.
   Report solve(PoseGraph& graph, int iterations_max, const std::optional<PosePrior>& prior = {});

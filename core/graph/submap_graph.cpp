@@ -279,7 +279,7 @@ void SubmapGraph::verify() {
 
 void SubmapGraph::solve() {
   const Pose2 map_T_before = map_T_newest();
-  counts_.solve_chi2 = solver_.solve(graph_, kIterations, filter_).chi2;
+  counts_.solve_chi2 = GraphSolver().solve(graph_, kIterations, filter_).chi2;
   bool again = false;
   for (Constraint& constraint : graph_.constraints()) {
     if (constraint.is_new && constraint.weight < kTakenOut_weight) {
@@ -292,7 +292,7 @@ void SubmapGraph::solve() {
     constraint.is_new = false;
   }
   if (again) {
-    counts_.solve_chi2 = solver_.solve(graph_, kIterations_again, filter_).chi2;
+    counts_.solve_chi2 = GraphSolver().solve(graph_, kIterations_again, filter_).chi2;
   }
   is_to_solve_ = false;
   note_correction(CorrectionCause::kLoop, map_T_before);
@@ -343,7 +343,8 @@ void SubmapGraph::finish() {
   begin_work(own_submaps() > 0 ? graph_.size() - 1 : 0);
   while (work()) {
   }
-  static_cast<void>(solver_.solve(graph_, kIterations));  // of the map itself, which the filter's drift is not part of
+  static_cast<void>(
+      GraphSolver().solve(graph_, kIterations));  // of the map itself, which the filter's drift is not part of
   ++revision_;
 }
 

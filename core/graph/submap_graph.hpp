@@ -213,7 +213,6 @@ class SubmapGraph {
   PoseGraph graph_;
   SubmapMatcher matcher_;
   LoopVerifier verifier_;
-  GraphSolver solver_;
   std::optional<Localiser> localiser_;  ///< while it is not known where this run lies in the world
   std::size_t first_submap_ = 0;
   int first_keyframe_ = 0;
