@@ -138,9 +138,14 @@ class DaemonTest(DaemonCase):
         daemon = self.start_daemon()
         self.wait_until_ok()
         self.assertRegex(self.answer("status"), r"pose right within 0.5 m and 5 deg: (9\d|100)\.\d %")
-        self.wait_until(lambda: json.loads(self.answer("status json"))["rates"]["poses_hz"] > 5.0, 5)
-        status = json.loads(self.ctl("status", "--json").stdout)
-        self.assertEqual(status["state"], "OK")
+        seen = []  # each status until the rates are measured and no deadline of a busy machine is just missed
+
+        def says_ok():
+            seen.append(json.loads(self.ctl("status", "--json").stdout))
+            return seen[-1]["state"] == "OK" and seen[-1]["rates"]["poses_hz"] > 5.0
+
+        self.wait_until(says_ok, 5)
+        status = seen[-1]
         self.assertGreater(status["map"]["width_m"], 1.0)
         self.assertLess(abs(status["pose"]["stamp_s"] - time.time()), 1.0)
         self.assertEqual(self.ctl("pause").stdout, "ok\n")
