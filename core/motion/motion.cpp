@@ -11,6 +11,10 @@
 namespace odoless {
 namespace {
 
+// 2^40: a step is twice what a sum with kOwnVarianceMax_m2 is rounded by, and the slip comes out of it as it was.
+constexpr double kSteps_per_m2 = 1099511627776.0;
+constexpr double kOwnVarianceMax_m2 = 2048.0;
+
 constexpr double kSame_m = 0.1;
 constexpr double kSame_rad = 2.0 * std::numbers::pi / 180.0;
 constexpr std::uint32_t kOfBoth = kMatched | kConverged;
@@ -124,14 +128,12 @@ Eigen::Matrix3d Motion::covariance_with_slip() const {
 }
 
 void Motion::set_slip_of(const Eigen::Matrix3d& covariance_with_slip) {
-  constexpr double kRounding = 1e-6;  // far above that of the sum
   const Eigen::Matrix2d own = covariance().topLeftCorner<2, 2>();
   const Eigen::Matrix2d slip = covariance_with_slip.topLeftCorner<2, 2>() - own;
-  set_map_slip(slip.trace() > kRounding * own.trace() ? slip : Eigen::Matrix2d::Zero());
+  set_map_slip(own.trace() < kOwnVarianceMax_m2 ? slip : Eigen::Matrix2d::Zero());
 }
 
 void Motion::set_map_slip(const Eigen::Matrix2d& slip) {
-  constexpr double kSteps_per_m2 = 1099511627776.0;  // so that it comes out of a sum with another covariance as it was
   const Eigen::Matrix2d symmetric = 0.5 * (slip + slip.transpose());
   const Eigen::Matrix2d rounded = (symmetric * kSteps_per_m2).array().round() / kSteps_per_m2 + 0.0;  // no -0
   const Eigen::Array2d variances = rounded.diagonal().array() + 1.0 / kSteps_per_m2;

@@ -84,7 +84,7 @@ struct Motion {
   void set_error(const ErrorProcess& error);
   /// Of previous_T_current over (x_m, y_m, yaw_rad), previous scan's axes; as `error` has it.
   [[nodiscard]] Eigen::Matrix3d covariance() const;
-  /// The same with what the local map has slipped by, which comes out of it again bit for bit.
+  /// With what the local map has slipped by, which comes out again bit for bit; none where `covariance` is >= 2048 m^2.
   [[nodiscard]] Eigen::Matrix3d covariance_with_slip() const;
   void set_slip_of(const Eigen::Matrix3d& covariance_with_slip);
   /// Rounded as map_slip is; none where it is no covariance.

@@ -100,17 +100,35 @@ TEST(Motion, AddsUpSlipsInTheAxesThatItBeginsWith) {
   EXPECT_NEAR(sum(0, 1), 0.0, 1e-11);
 }
 
-// So it goes from one host to another.
+// So it goes from one host to another, however small one is beside the other.
 TEST(Motion, ItsSlipComesOutOfItsCovarianceBitForBit) {
   Rng rng(3);
   for (int i = 0; i < 1000; ++i) {
     Motion motion = random_motion(rng);
-    const Eigen::Vector2d along(rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0));
+    ErrorProcess process = motion.error();
+    process.noise *= std::exp2(rng.uniform(-40.0, 8.0));
+    motion.set_error(process);
+    ASSERT_LT(motion.covariance().trace(), 2048.0);
+    const double scale = std::exp2(rng.uniform(-20.0, 5.0));
+    const Eigen::Vector2d along = scale * Eigen::Vector2d(rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0));
     motion.set_map_slip(i % 2 == 0 ? Eigen::Matrix2d(along * along.transpose()) : Eigen::Matrix2d::Zero());
     Motion other = motion;
     other.map_slip = {1.0, 2.0, 3.0, 4.0};
     other.set_slip_of(motion.covariance_with_slip());
     EXPECT_TRUE(has_same_bytes(other, motion)) << i;
+  }
+}
+
+// Its last digits, which are all that a slip would be, are rounded away.
+TEST(Motion, NoSlipComesOutOfACovarianceThatIsTooLarge) {
+  Rng rng(3);
+  for (int i = 0; i < 100; ++i) {
+    Motion motion = random_motion(rng);
+    ErrorProcess process = motion.error();
+    process.noise.diagonal().array() += 1e9;
+    motion.set_error(process);
+    motion.set_slip_of(motion.covariance_with_slip() * (1.0 + 1e-15));
+    EXPECT_EQ(motion.map_slip, (MatrixRows<2>{})) << i;
   }
 }
 
