@@ -44,9 +44,7 @@ double arbitrary_real(double magnitude) {
   return share * magnitude;
 }
 
-Pose2 arbitrary_pose(double distance_m = 1000.0) {
-  return {arbitrary_real(distance_m), arbitrary_real(distance_m), arbitrary_real(M_PI)};
-}
+Pose2 arbitrary_pose() { return {arbitrary_real(1000.0), arbitrary_real(1000.0), arbitrary_real(M_PI)}; }
 
 MatrixRows<3> arbitrary_covariance() {
   MatrixRows<3> covariance{};
@@ -67,15 +65,18 @@ MatrixRows<5> arbitrary_matrix() {
 Motion arbitrary_motion() {
   const auto from_stamp_ns = *rc::gen::inRange<std::int64_t>(0, 2'000'000'000'000'000) * 1000;
   const auto to_stamp_ns = from_stamp_ns + *rc::gen::inRange<std::int64_t>(0, 1'000'000) * 1000;
-  constexpr double kStep_m = 10.0;  // so that what the angle's error does to it leaves room for a slip's digits
-  Motion motion = Motion::between(from_stamp_ns, to_stamp_ns, arbitrary_pose(kStep_m));
+  Motion motion = Motion::between(from_stamp_ns, to_stamp_ns, arbitrary_pose());
   motion.duration_ns = *rc::gen::inRange<std::int64_t>(0, 1'000'000'000'000);
   motion.duration_sd_s = std::abs(arbitrary_real(1.0));
   motion.odom_T_current = arbitrary_pose();
   motion.error_initial = arbitrary_matrix();
   motion.error_transition = arbitrary_matrix();
   motion.error_noise = arbitrary_matrix();
-  motion.set_map_slip(Eigen::Vector2d(std::abs(arbitrary_real(1.0)), std::abs(arbitrary_real(1.0))).asDiagonal());
+  constexpr double kVarianceMax_m2 = 2048.0;  // above it there is no room for a slip's digits, says Motion
+  const Eigen::Vector2d slip_m2(std::abs(arbitrary_real(1.0)), std::abs(arbitrary_real(1.0)));
+  if (motion.covariance().topLeftCorner<2, 2>().trace() < kVarianceMax_m2) {
+    motion.set_map_slip(slip_m2.asDiagonal());
+  }
   motion.fitness = std::abs(arbitrary_real(1.0));
   motion.score = arbitrary_real(1.0);
   motion.second_peak_ratio = std::abs(arbitrary_real(1.0));
