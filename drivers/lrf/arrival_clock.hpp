@@ -29,6 +29,8 @@ class ArrivalClock {
 
   /// The same without learning: of a moment shortly before the last one.
   [[nodiscard]] std::int64_t at_ns(std::int64_t device_ns) const { return offset_ns_ + device_ns; }
+  /// Of a moment that is not a whole nanosecond: less than one off.
+  [[nodiscard]] std::int64_t at_ns(double device_ns) const { return at_ns(static_cast<std::int64_t>(device_ns)); }
 
  private:
   std::int64_t while_ns_;

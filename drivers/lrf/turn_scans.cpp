@@ -28,11 +28,6 @@ Errc TurnScans::start() {
   return Errc::kOk;
 }
 
-std::optional<FoundScan> TurnScans::add(const rplidar::Point& point, std::int64_t time_ns, std::int64_t arrival_ns) {
-  const bool is_complete = turn_.add(point, time_ns);
-  return is_complete && turn_.is_whole() ? std::optional(finish(arrival_ns)) : std::nullopt;
-}
-
 FoundScan TurnScans::finish(std::int64_t arrival_ns) {
   const std::span<float> ranges_m = buffer_.next(geometry_.beams);
   const int known = turn_.resample(ranges_m);

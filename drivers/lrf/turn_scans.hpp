@@ -27,10 +27,14 @@ class TurnScans {
   [[nodiscard]] Errc start();
   void set_range_max(double range_max_m) { geometry_.range_max_m = range_max_m; }
 
-  /// A point that was measured at `time_ns`. If it completes a turn: the scan, or Errc::kWrongCount (a turn that lacks
-  /// too many points, or of which something may have been wrong).
-  [[nodiscard]] std::optional<FoundScan> add(const rplidar::Point& point, std::int64_t time_ns,
-                                             std::int64_t arrival_ns);
+  /// A point that was measured at `time_ns`. @return whether it completes a turn: `finish` it now.
+  [[nodiscard]] bool add(const rplidar::Point& point, std::int64_t time_ns) {
+    return turn_.add(point, time_ns) && turn_.is_whole();
+  }
+
+  /// Of the complete turn: the scan, or Errc::kWrongCount (it lacks too many points, or something of it may have been
+  /// wrong).
+  [[nodiscard]] FoundScan finish(std::int64_t arrival_ns);
 
   /// What is collected may have been wrong.
   void spoil() { turn_.spoil(); }
@@ -41,8 +45,6 @@ class TurnScans {
   [[nodiscard]] std::uint64_t identical_run() const { return buffer_.identical_run(); }
 
  private:
-  [[nodiscard]] FoundScan finish(std::int64_t arrival_ns);
-
   LrfGeometry geometry_;
   std::int64_t nominal_period_ns_;
   RangeBuffer buffer_;

@@ -17,10 +17,10 @@ constexpr unsigned kTurnCdeg = 36'000;
 constexpr unsigned kSweepMaxCdeg = 9'000;   ///< of a packet
 constexpr unsigned kSpeedMaxDegps = 7'200;  ///< 20 turns a second
 
-constexpr std::size_t kSumStep = 4;  ///< bytes that go into the sum at once
+constexpr std::size_t kSumStep = 8;  ///< bytes that go into the sum at once
 using SumTables = std::array<std::array<std::uint8_t, 256>, kSumStep>;
 
-/// Of how a byte changes the sum, with no, one, two and three bytes behind it.
+/// Of how a byte changes the sum, with as many bytes behind it as the table has before it.
 constexpr SumTables sum_tables() {
   SumTables tables{};
   for (unsigned i = 0; i < 256; ++i) {
@@ -47,8 +47,11 @@ std::uint8_t checksum(std::span<const std::byte> bytes) {
   const auto number = [](std::byte byte) { return std::to_integer<std::uint8_t>(byte); };
   std::uint8_t sum = 0;
   for (; bytes.size() >= kSumStep; bytes = bytes.subspan(kSumStep)) {
-    sum = static_cast<std::uint8_t>(kSumTables[3][sum ^ number(bytes[0])] ^ kSumTables[2][number(bytes[1])] ^
-                                    kSumTables[1][number(bytes[2])] ^ kSumTables[0][number(bytes[3])]);
+    unsigned next = kSumTables[kSumStep - 1][sum ^ number(bytes[0])];
+    for (std::size_t i = 1; i < kSumStep; ++i) {
+      next ^= kSumTables[kSumStep - 1 - i][number(bytes[i])];
+    }
+    sum = static_cast<std::uint8_t>(next);
   }
   for (const std::byte byte : bytes) {
     sum = kSumTables[0][sum ^ number(byte)];

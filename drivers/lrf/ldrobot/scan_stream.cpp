@@ -48,8 +48,8 @@ Errc ScanStream::configure(const Packet& packet, int line_baud) {
 
 FoundScan ScanStream::take(std::span<const std::byte>& bytes, std::int64_t arrival_ns) {
   for (;;) {
-    if (const std::optional<FoundScan> found = take_points(arrival_ns); found.has_value()) {
-      return *found;
+    if (take_points()) {
+      return scans_.finish(arrival_ns);
     }
     switch (reader_.take(bytes)) {
       case PacketReader::Outcome::kMore:
@@ -100,18 +100,18 @@ void ScanStream::learn_rate(std::int64_t elapsed_ms, std::int64_t packets) {
   counted_ms_ = counted_packets_ = 0;
 }
 
-std::optional<FoundScan> ScanStream::take_points(std::int64_t arrival_ns) {
+bool ScanStream::take_points() {
   const Packet& packet = reader_.packet();
   while (next_point_ < kPacketPoints) {
     const std::size_t point = next_point_++;
     const double before_ns = static_cast<double>(kPacketPoints - 1 - point) * sample_ns_;
-    const std::int64_t time_ns = clock_.at_ns(std::llround(device_ns_ - before_ns));
+    const std::int64_t time_ns = clock_.at_ns(device_ns_ - before_ns);
     const rplidar::Point seen{.angle_deg = packet.angle_deg(point), .range_m = packet.points[point].range_m};
-    if (auto found = scans_.add(seen, time_ns, arrival_ns)) {
-      return found;
+    if (scans_.add(seen, time_ns)) {
+      return true;
     }
   }
-  return {};
+  return false;
 }
 
 }  // namespace odoless::ldrobot

@@ -40,7 +40,7 @@ class ScanStream {
  private:
   void on_packet(std::int64_t arrival_ns);
   void learn_rate(std::int64_t elapsed_ms, std::int64_t packets);
-  [[nodiscard]] std::optional<FoundScan> take_points(std::int64_t arrival_ns);
+  [[nodiscard]] bool take_points();
 
   TurnScans scans_;
   PacketReader reader_;

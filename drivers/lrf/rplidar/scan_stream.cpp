@@ -28,8 +28,8 @@ Errc ScanStream::configure(const ScanMode& mode, int line_baud) {
 
 FoundScan ScanStream::take(std::span<const std::byte>& bytes, std::int64_t arrival_ns) {
   for (;;) {
-    if (const std::optional<FoundScan> found = take_points(arrival_ns); found.has_value()) {
-      return *found;
+    if (take_points()) {
+      return scans_.finish(arrival_ns);
     }
     switch (reader_.take(bytes)) {
       case PointReader::Outcome::kMore:
@@ -52,16 +52,16 @@ FoundScan ScanStream::take(std::span<const std::byte>& bytes, std::int64_t arriv
   }
 }
 
-std::optional<FoundScan> ScanStream::take_points(std::int64_t arrival_ns) {
+bool ScanStream::take_points() {
   const std::span<const Point> points = reader_.points();
   while (next_point_ < points.size()) {
     const std::int64_t sample = reader_.first_sample() + static_cast<std::int64_t>(next_point_);
     const Point& point = points[next_point_++];
-    if (auto found = scans_.add(point, clock_.at_ns(sample * mode_.sample_ns), arrival_ns)) {
-      return found;
+    if (scans_.add(point, clock_.at_ns(sample * mode_.sample_ns))) {
+      return true;
     }
   }
-  return {};
+  return false;
 }
 
 }  // namespace odoless::rplidar

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "drivers/lrf/arrival_clock.hpp"
@@ -40,7 +39,7 @@ class ScanStream {
   [[nodiscard]] std::uint64_t identical_run() const { return scans_.identical_run(); }
 
  private:
-  [[nodiscard]] std::optional<FoundScan> take_points(std::int64_t arrival_ns);
+  [[nodiscard]] bool take_points();
 
   TurnScans scans_;
   PointReader reader_;

@@ -9,11 +9,9 @@
 namespace odoless::rplidar {
 namespace {
 
-constexpr double kTurnDeg = 360.0;
 constexpr double kNeighbours = 1.5;    ///< beams or samples
 constexpr double kLostSamples = 16.0;  ///< too few for a time: some were lost, half a capsule at least, not missed
 constexpr double kSurfaceRatio = 0.1;
-constexpr double kBackwardsMaxDeg = 30.0;
 
 }  // namespace
 
@@ -24,36 +22,6 @@ void Turn::clear() {
   finished_count_ = 0;
   is_whole_ = false;
   is_spoilt_ = false;
-}
-
-void Turn::push(const Sample& sample) {
-  if (count_ == samples_.size()) {
-    clear();  // it doesn't turn
-  }
-  samples_[count_++] = sample;
-}
-
-bool Turn::add(const Point& point, std::int64_t time_ns) {
-  const bool is_miss = point.range_m <= 0.0;
-  double angle_deg = point.angle_deg - (is_miss ? miss_lag_deg_ : 0.0);
-  if (count_ > 0) {
-    const double behind_deg = last_deg_ - angle_deg;
-    if (std::abs(behind_deg) >= kTurnDeg / 2.0) {  // rarely
-      angle_deg += kTurnDeg * std::round(behind_deg / kTurnDeg);
-    }
-    is_spoilt_ = is_spoilt_ || angle_deg < last_deg_ - kBackwardsMaxDeg;
-  }
-  last_deg_ = angle_deg;
-  const bool is_complete = angle_deg >= kTurnDeg;
-  if (is_miss && count_ > 0 && !is_complete) {
-    ++misses_;
-    return false;
-  }
-  push({angle_deg, point.range_m, time_ns, misses_});
-  if (is_complete) {
-    close();
-  }
-  return is_complete;
 }
 
 void Turn::close() {
@@ -82,16 +50,17 @@ void Turn::close() {
 }
 
 // On a straight line, the reciprocal of the range is nearly linear in a small angle.
-float Turn::between_m(const Sample& left, const Sample& right, double angle_deg, double beam_deg) const {
+inline float Turn::between_m(const Sample& left, const Sample& right, double angle_deg, double beam_deg) const {
   const double gap_deg = right.angle_deg - left.angle_deg;
-  const std::size_t between = std::max(left.misses, right.misses) - std::min(left.misses, right.misses);
-  // Where points lie one after the other, what was missed was missed elsewhere.
-  const double misses = gap_deg > kNeighbours * complete_.sample_deg ? static_cast<double>(between) : 0.0;
-  const double apart_ns = std::abs(static_cast<double>(right.time_ns - left.time_ns));
-  const bool are_neighbours = misses > 0.0 ? apart_ns < (misses + kLostSamples) * complete_.sample_ns
-                                           : gap_deg <= kNeighbours * std::max(beam_deg, complete_.sample_deg);
-  if (!are_neighbours) {
-    return 0.0F;
+  double misses = 0.0;
+  if (gap_deg > kNeighbours * complete_.sample_deg) {  // what is missed between points in a row was missed elsewhere
+    misses = static_cast<double>(std::max(left.misses, right.misses) - std::min(left.misses, right.misses));
+    const double apart_ns = std::abs(static_cast<double>(right.time_ns - left.time_ns));
+    const bool are_neighbours =
+        misses > 0.0 ? apart_ns < (misses + kLostSamples) * complete_.sample_ns : gap_deg <= kNeighbours * beam_deg;
+    if (!are_neighbours) {
+      return 0.0F;
+    }
   }
   const double from_left_deg = angle_deg - left.angle_deg;
   const bool is_one_surface =

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -22,6 +23,7 @@ namespace odoless::rplidar {
 class Turn {
  public:
   static constexpr std::size_t kPointsMax = 8192;
+  static constexpr double kTurnDeg = 360.0;
 
   /// @param miss_lag_deg  By how much the angle of a sample that nothing answered may be ahead of what a point's
   ///                      would be.
@@ -62,6 +64,8 @@ class Turn {
     double sample_ns = 0.0;
   };
 
+  static constexpr double kBackwardsMaxDeg = 30.0;
+
   void close();
   void push(const Sample& sample);
   [[nodiscard]] float between_m(const Sample& left, const Sample& right, double angle_deg, double beam_deg) const;
@@ -77,5 +81,37 @@ class Turn {
   bool is_spoilt_ = false;
   Complete complete_;
 };
+
+inline void Turn::push(const Sample& sample) {
+  if (count_ == samples_.size()) {
+    clear();  // it doesn't turn
+  }
+  samples_[count_++] = sample;
+}
+
+inline bool Turn::add(const Point& point, std::int64_t time_ns) {
+  const bool is_miss = point.range_m <= 0.0;
+  double angle_deg = point.angle_deg - (is_miss ? miss_lag_deg_ : 0.0);
+  if (count_ > 0) {
+    const double behind_deg = last_deg_ - angle_deg;
+    if (std::abs(behind_deg) >= kTurnDeg / 2.0) {  // rarely
+      angle_deg += kTurnDeg * std::round(behind_deg / kTurnDeg);
+    }
+    if (angle_deg < last_deg_ - kBackwardsMaxDeg) {
+      is_spoilt_ = true;
+    }
+  }
+  last_deg_ = angle_deg;
+  const bool is_complete = angle_deg >= kTurnDeg;
+  if (is_miss && count_ > 0 && !is_complete) {
+    ++misses_;
+    return false;
+  }
+  push({angle_deg, point.range_m, time_ns, misses_});
+  if (is_complete) {
+    close();
+  }
+  return is_complete;
+}
 
 }  // namespace odoless::rplidar

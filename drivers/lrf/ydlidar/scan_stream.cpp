@@ -66,8 +66,8 @@ Errc ScanStream::configure(int line_baud) {
 
 FoundScan ScanStream::take(std::span<const std::byte>& bytes, std::int64_t arrival_ns) {
   for (;;) {
-    if (const std::optional<FoundScan> found = take_points(arrival_ns); found.has_value()) {
-      return *found;
+    if (take_points()) {
+      return scans_.finish(arrival_ns);
     }
     switch (reader_.take(bytes)) {
       case PacketReader::Outcome::kMore:
@@ -99,7 +99,7 @@ void ScanStream::on_packet(std::int64_t arrival_ns) {
   device_ns_ += (lost + static_cast<double>(packet.count)) * sample_ns_;
   last_deg_ = packet.angle_deg(packet.count - 1);
   learn_rate(sent_ns);
-  if (sent_ns - clock_.at_ns(std::llround(device_ns_)) > kGapMaxNs) {
+  if (sent_ns - clock_.at_ns(device_ns_) > kGapMaxNs) {
     clock_.start();
     scans_.clear();
   }
@@ -116,7 +116,7 @@ double ScanStream::lost_samples(std::int64_t sent_ns) const {
   const double lost = std::floor(gap_deg / step_deg_);
   const double turn = kTurnDeg / step_deg_;
   const double at_ns = device_ns_ + (lost + static_cast<double>(packet.count)) * sample_ns_;
-  const double late_ns = static_cast<double>(sent_ns - clock_.at_ns(std::llround(at_ns)));
+  const auto late_ns = static_cast<double>(sent_ns - clock_.at_ns(at_ns));
   return lost + std::max(0.0, std::round(late_ns / (turn * sample_ns_))) * turn;
 }
 
@@ -128,7 +128,6 @@ void ScanStream::learn_rate(std::int64_t sent_ns) {
   }
   if (is_first) {
     clock_.start();
-    scans_.clear();
   }
   const double measured_ns = rate_.sample_ns();
   const bool is_near = std::abs(measured_ns - sample_ns_) < kRateSlack * sample_ns_;
@@ -136,23 +135,22 @@ void ScanStream::learn_rate(std::int64_t sent_ns) {
   rate_.start();
 }
 
-std::optional<FoundScan> ScanStream::take_points(std::int64_t arrival_ns) {
+bool ScanStream::take_points() {
   const Packet& packet = reader_.packet();
   if (sample_ns_ <= 0.0) {
-    return {};
+    return false;
   }
   while (next_point_ < packet.count) {
     const std::size_t i = next_point_++;
     const double range_m = packet.samples[i] * (is_triangle(ranging_) ? kTriangleUnitM : kTimeOfFlightUnitM);
     const double ahead_deg = is_triangle(ranging_) && range_m > 0.0 ? parallax_deg(range_m) : 0.0;
     const double before_ns = static_cast<double>(packet.count - 1 - i) * sample_ns_;
-    const std::int64_t time_ns = clock_.at_ns(std::llround(device_ns_ - before_ns));
-    if (auto found =
-            scans_.add({.angle_deg = packet.angle_deg(i) + ahead_deg, .range_m = range_m}, time_ns, arrival_ns)) {
-      return found;
+    const std::int64_t time_ns = clock_.at_ns(device_ns_ - before_ns);
+    if (scans_.add({.angle_deg = packet.angle_deg(i) + ahead_deg, .range_m = range_m}, time_ns)) {
+      return true;
     }
   }
-  return {};
+  return false;
 }
 
 }  // namespace odoless::ydlidar

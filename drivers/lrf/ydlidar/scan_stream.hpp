@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "drivers/lrf/arrival_clock.hpp"
@@ -55,7 +54,7 @@ class ScanStream {
   void on_packet(std::int64_t arrival_ns);
   [[nodiscard]] double lost_samples(std::int64_t sent_ns) const;
   void learn_rate(std::int64_t sent_ns);
-  [[nodiscard]] std::optional<FoundScan> take_points(std::int64_t arrival_ns);
+  [[nodiscard]] bool take_points();
 
   LrfRanging ranging_;
   TurnScans scans_;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -59,6 +60,15 @@ class LrfContract : public ::testing::TestWithParam<test::TestedLaser> {
   }
 
   [[nodiscard]] std::size_t scans() const { return bench_.heard().scans.size(); }
+
+  /// From a scan's stamp to the nearest time at which the laser began one.
+  [[nodiscard]] std::int64_t stamp_error_ns(std::size_t scan) const {
+    std::int64_t least_ns = kSecond;
+    for (const SentScan& sent : bench_.sent()) {
+      least_ns = std::min(least_ns, std::abs(sent.first_beam_ns - bench_.heard().scans[scan].stamp_ns));
+    }
+    return least_ns;
+  }
 
   /// The share of beams of which something else is said than what is there, or nothing.
   [[nodiscard]] double wrong_share(const test::HeardScan& scan) {
@@ -134,6 +144,38 @@ TEST_P(LrfContract, ItsGeometryIsThatOfItsScans) {
               0.05 * static_cast<double>(geometry.period_ns));
 }
 
+/// By which a laser that repeats itself is found: how many of the last scans in a row were those before them.
+TEST_P(LrfContract, CountsScansThatAreThoseBeforeThem) {
+  bring_up();
+  const auto is_repeated = [&](std::size_t scan) {
+    const std::vector<test::HeardScan>& heard = bench_.heard().scans;
+    return scan > 0 && heard[scan].ranges_m == heard[scan - 1].ranges_m;
+  };
+  for (int more = 0; more < 20; ++more) {
+    run_until_scans(1, kBroughtUpNs);
+    std::uint64_t repeated = 0;
+    std::uint64_t in_a_row = 0;
+    for (std::size_t scan = 0; scan < scans(); ++scan) {
+      repeated += is_repeated(scan) ? 1 : 0;
+      in_a_row = is_repeated(scan) ? in_a_row + 1 : 0;
+    }
+    ASSERT_EQ(bench_.session().counters().identical, repeated);
+    ASSERT_EQ(bench_.session().counters().identical_run, in_a_row);
+  }
+  const std::size_t before = scans();
+  bench_.reset();
+  run_until_scans(3, kBroughtUpNs);
+  EXPECT_LE(bench_.session().counters().identical_run, scans() - before) << "of a line that was opened anew";
+}
+
+TEST_P(LrfContract, StampsAreTrueFromTheFirstScanOn) {
+  bring_up();
+  run_until_scans(10, kBroughtUpNs);
+  for (std::size_t i = 0; i < scans(); ++i) {
+    EXPECT_LT(stamp_error_ns(i), 3 * kMs) << i;
+  }
+}
+
 // A quarter of a second is missing, which is no whole number of turns of most.
 TEST_P(LrfContract, StampsAreTrueAgainSoonAfterSomethingWasLost) {
   bring_up();
@@ -145,11 +187,28 @@ TEST_P(LrfContract, StampsAreTrueAgainSoonAfterSomethingWasLost) {
   const std::size_t first = scans();
   run_until_scans(5, kBroughtUpNs);
   for (std::size_t i = first; i < scans(); ++i) {
-    std::int64_t least_ns = kSecond;
-    for (const SentScan& sent : bench_.sent()) {
-      least_ns = std::min(least_ns, std::abs(sent.first_beam_ns - bench_.heard().scans[i].stamp_ns));
+    EXPECT_LT(stamp_error_ns(i), 3 * kMs) << i;
+  }
+}
+
+// Where a byte is missing, the next ones still tell when they were measured: by a count, an angle, or the time they
+// took.
+TEST_P(LrfContract, AMissingByteMovesNoStamp) {
+  bring_up();
+  bench_.run(2 * kSecond);
+  for (int fault = 0; fault < 10; ++fault) {
+    bool is_missing = false;
+    bench_.on_the_way = [&](std::string& bytes) {
+      if (!bytes.empty() && !std::exchange(is_missing, true)) {
+        bytes.erase(rng_.below(static_cast<std::uint32_t>(bytes.size())), 1);
+      }
+    };
+    const std::size_t first = scans();
+    run_until_scans(3, kBroughtUpNs);
+    for (std::size_t i = first; i < scans(); ++i) {
+      EXPECT_LT(stamp_error_ns(i), 3 * kMs) << i;
     }
-    EXPECT_LT(least_ns, 3 * kMs) << i;
+    bench_.run(97 * kMs);
   }
 }
 
@@ -222,6 +281,27 @@ TEST_P(LrfContract, HearsNothingInGarbage) {
   expect_survived([&](std::string& bytes) {
     std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<char>(rng_.below(256)); });
   });
+}
+
+TEST_P(LrfContract, TellsOfNoiseEachTimeButNotOfEachByte) {
+  test::AnsweredLine line(GetParam().model, GetParam().params());
+  line.reset();
+  line.run(kBroughtUpNs);
+  ASSERT_TRUE(line.session().ready());
+  const std::size_t before = line.heard().events.size();
+  const auto told_after_noise = [&] {
+    line.say(std::string(5000, '\x55'));
+    line.run(2 * kSecond);
+    return line.heard().events.size() - before;
+  };
+  const std::size_t told = told_after_noise();
+  EXPECT_GE(told, 1U);
+  EXPECT_LE(told, 2U) << "that a scan was spoilt, and that bytes were left out";
+  EXPECT_EQ(told_after_noise(), 2 * told);
+  for (const LrfEvent& event : std::span(line.heard().events).subspan(before)) {
+    EXPECT_TRUE(event.type == LrfEventType::kResync || event.type == LrfEventType::kRejected);
+    EXPECT_NE(event.reason, Errc::kWrongSum) << "of a frame that there was none of";
+  }
 }
 
 TEST_P(LrfContract, HearsNothingInHalfPackets) {

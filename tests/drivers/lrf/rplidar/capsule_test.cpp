@@ -62,7 +62,8 @@ TEST(RplidarCapsule, AnUltraOneHasARangeOfEachThreeAndDifferences) {
   // No difference to the last, and none that is told.
   const unsigned second = (1280U + 363U) | (0U << 12U) | (511U << 22U);
   std::vector<unsigned> cabins;
-  for (const unsigned word : {first, second}) {
+  const unsigned third = (1280U + 363U) | (0x200U << 12U) | (0x200U << 22U);  // -512 is none, too
+  for (const unsigned word : {first, second, third}) {
     for (const unsigned shift : {0U, 8U, 16U, 24U}) {
       cabins.push_back((word >> shift) & 0xFFU);
     }
@@ -74,6 +75,8 @@ TEST(RplidarCapsule, AnUltraOneHasARangeOfEachThreeAndDifferences) {
   EXPECT_DOUBLE_EQ(points[3].range_m, 3.500);
   EXPECT_DOUBLE_EQ(points[4].range_m, 3.500);
   EXPECT_DOUBLE_EQ(points[5].range_m, 0.0);
+  EXPECT_DOUBLE_EQ(points[7].range_m, 0.0);
+  EXPECT_DOUBLE_EQ(points[8].range_m, 0.0);
   EXPECT_DOUBLE_EQ(points[0].angle_deg, 88.0 - compensation_deg(3.0));
   EXPECT_DOUBLE_EQ(points[5].angle_deg, 88.0 + 2.5) << "the mirror's, where nothing answered";
 }
