@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -57,6 +60,15 @@ inline TiltParams servo_params(TiltDriver driver) {
 }
 
 inline std::vector<Fault> faults_of(const std::string& text) { return {parse_fault(text)}; }
+
+/// A CAN frame with these data.
+inline CanFrame data_frame(std::uint32_t id, std::initializer_list<std::uint8_t> data) {
+  CanFrame made;
+  made.id = id;
+  made.size_bytes = static_cast<std::uint8_t>(data.size());
+  std::copy(data.begin(), data.end(), made.data.begin());
+  return made;
+}
 
 /// Of the contract's: a servo that measures where it is.
 struct TestedServo {

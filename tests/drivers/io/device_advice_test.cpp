@@ -38,6 +38,8 @@ TEST(DeviceAdvice, SaysNothingOfAGroupThatIsNotAllowedEither) {
 TEST(DeviceAdvice, SaysWhereToLookForADeviceThatIsMissing) {
   EXPECT_THAT(device_error_text(Errc::kDeviceMissing, "/dev/nonexistent"), HasSubstr("odoless probe"));
   EXPECT_THAT(device_error_text(Errc::kDeviceMissing, "tcp://laser:1"), HasSubstr("its name is not known"));
+  EXPECT_THAT(device_error_text(Errc::kDeviceMissing, "udp://10.9.8.7:2111"), HasSubstr("an address of this machine"));
+  EXPECT_EQ(device_error_text(Errc::kDeviceDenied, "udp://10.9.8.7:2111"), describe(Errc::kDeviceDenied));
   EXPECT_THAT(device_error_text(Errc::kDeviceDenied, "usb://15d1:0000"), HasSubstr("udev"));
   EXPECT_EQ(device_error_text(Errc::kDeviceBusy, "/dev/null"), describe(Errc::kDeviceBusy));
 }

@@ -210,6 +210,18 @@ TEST(DeviceClock, ACounterThatStandsStillGivesWayToTheArrival) {
   EXPECT_EQ(refused, 2);
 }
 
+TEST(DeviceClock, ACounterThatStandsStillNowAndThenIsRefusedEachTime) {
+  Device device;
+  DeviceClock clock;
+  clock.start(device.period_ns, kDelayNs);
+  for (int scan = 0; scan < 100; ++scan) {
+    EXPECT_TRUE(clock.host_ns(device.counter_ms(scan), device.arrival_ns(scan)).ok());
+    for (int again = 0; again < (scan % 10 == 9 ? 2 : 0); ++again) {
+      EXPECT_FALSE(clock.host_ns(device.counter_ms(scan), device.arrival_ns(scan) + kMs).ok()) << scan;
+    }
+  }
+}
+
 TEST(DeviceClock, ScansThatWaitedInABufferKeepTheirTimes) {
   Device device;
   DeviceClock clock;

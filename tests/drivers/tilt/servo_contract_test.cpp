@@ -256,6 +256,17 @@ TEST_P(TiltContract, AServoThatFallsSilentIsToldAndComesBack) {
   EXPECT_EQ(bench.heard().count(TiltEventType::kReady), 2);
 }
 
+TEST_P(TiltContract, AServoThatIsSilentWhenItsLineIsOpenedAnewIsToldAnew) {
+  ServoBench bench(params(), faults_of("silence@2:1"));
+  bench.reset();
+  bench.run(5 * kServoSecond);
+  ASSERT_EQ(bench.session().state(), TiltState::kLevel);
+  bench.to_session = [](std::vector<ServoFrame>& frames) { frames.clear(); };
+  bench.reset();
+  bench.run(3 * kServoSecond);
+  EXPECT_EQ(bench.heard().count(TiltEventType::kLost), 2);
+}
+
 TEST_P(TiltContract, AServoThatStartsAnewIsSetUpAnew) {
   ServoBench bench(params(), faults_of("reboot@2:0.3"));
   bench.reset();

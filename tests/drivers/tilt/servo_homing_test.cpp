@@ -1,6 +1,9 @@
 // When a CANopen drive is to find its zero: once per power-up, as the drive itself knows.
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <map>
+
 #include "tests/support/servo_support.hpp"
 
 namespace odoless {
@@ -72,6 +75,33 @@ TEST(Cia402Homing, ADaemonThatStartsAnewTakesTheZeroThatTheDriveHas) {
     EXPECT_EQ(homings_until_level(bench), 0) << "method " << method;
     EXPECT_NEAR(axis_rad(bench), zero_rad, kNearRad);
   }
+}
+
+/// CiA 402-2, object 6099h: 1 to the switch, 2 to the zero, which is found the better the slower; 609Ah in the same
+/// units.
+TEST(Cia402Homing, TheLastWayToTheZeroIsFourTimesAsSlowAndTheAccelerationIsTheServos) {
+  ServoBench bench(homing_params(17), drive());
+  std::map<int, std::uint32_t> speeds;
+  std::vector<std::uint32_t> accelerations;
+  bench.to_servo = [&](std::vector<ServoFrame>& frames) {
+    for (const ServoFrame& request : frames) {
+      const CanFrame frame = *to_can_frame(request);
+      if (frame.id == 0x601 && frame.data[0] == 0x23 && canopen::get(frame, 1, 2) == 0x6099) {
+        speeds[frame.data[3]] = canopen::get(frame, 4, 4);
+      }
+      if (frame.id == 0x601 && frame.data[0] == 0x23 && canopen::get(frame, 1, 2) == 0x609A) {
+        accelerations.push_back(canopen::get(frame, 4, 4));
+      }
+    }
+  };
+  bench.reset();
+  ASSERT_GT(bench.run_until(TiltState::kLevel, 8 * kServoSecond), 0);
+  ASSERT_EQ(speeds.size(), 2U);
+  EXPECT_GT(speeds[2], 100U);
+  EXPECT_EQ(speeds[2], speeds[1] / 4);
+  ASSERT_EQ(accelerations.size(), 1U);
+  const TiltParams params = homing_params(17);
+  EXPECT_NEAR(accelerations[0] / (params.acceleration_radps2 / params.homing_speed_radps), speeds[1], 1.0);
 }
 
 TEST(Cia402Homing, AResetOfTheCommunicationMovesNoZero) {

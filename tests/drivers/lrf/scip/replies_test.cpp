@@ -102,6 +102,19 @@ TEST(ScipReplies, ReadsAScan) {
   EXPECT_EQ(scan.ranges_mm, (std::array<std::uint32_t, 3>{1234, 5432, 0}));
 }
 
+TEST(ScipReplies, ReadsRangesOfTwoCharactersAndRangesWithIntensities) {
+  constexpr std::string_view kEcho = "MD0000000201000";
+  const std::string begin = std::string(kEcho) + "\n99b\n" + summed_line("m2@0");
+  const Read shorter =
+      read(begin + summed_line("CB0100") + "\n", {.echo = kEcho, .characters_per_value = 2, .beams = 3});
+  EXPECT_EQ(shorter.error, Errc::kOk);
+  EXPECT_EQ(shorter.ranges_mm, (std::array<std::uint32_t, 3>{1234, 1, 0}));
+  const Read pairs =
+      read(begin + summed_line("0CB1Dh1Dh0CB000001") + "\n", {.echo = kEcho, .values_per_beam = 2, .beams = 3});
+  EXPECT_EQ(pairs.error, Errc::kOk);
+  EXPECT_EQ(pairs.ranges_mm, (std::array<std::uint32_t, 3>{1234, 5432, 0}));
+}
+
 TEST(ScipReplies, NamesWhatIsWrongWithAScan) {
   EXPECT_EQ(scan_error(kScan), Errc::kOk);
   EXPECT_EQ(scan_error(replaced(kScan, "MD0000000201000", "MD0000000201001")), Errc::kWrongEcho);

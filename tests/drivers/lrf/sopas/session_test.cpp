@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "drivers/lrf/sopas/bring_up.hpp"
 #include "tests/tools/emulate_support.hpp"
 #include "tools/emulate/sopas_device.hpp"
 
@@ -88,6 +89,24 @@ TEST(SopasSession, UsesADeviceThatRefusesASettingAsItIs) {
   EXPECT_EQ(bench.session().geometry().beams, 811);
   ASSERT_EQ(bench.heard().count(LrfEventType::kDeviceError), 1);
   EXPECT_EQ(bench.heard().events.front().device_status, 2) << "unknown method";
+}
+
+TEST(SopasSession, TellsTheDevicesStatusOnceEachTimeThatItIsBroughtUp) {
+  Bench bench("lms111", {}, sopas_params(), quiet_drive());
+  bench.on_the_way = [](std::string& bytes) {
+    const std::string of_the_device = " A1B2C3 0 ";
+    const std::size_t at = bytes.find(of_the_device);
+    if (at != std::string::npos) {
+      bytes.at(at + of_the_device.size()) = '1';  // an error
+    }
+  };
+  for (int told = 1; told <= 2; ++told) {
+    bench.reset();
+    bench.run(4 * kSecond);
+    ASSERT_TRUE(bench.session().ready());
+    EXPECT_EQ(bench.heard().count(LrfEventType::kDeviceError), told);
+    EXPECT_EQ(bench.heard().events.back().device_status, sopas::kDeviceStatus + 1);
+  }
 }
 
 TEST(SopasSession, IsBroughtUpAnewWhereSomebodySetsTheDeviceOtherwise) {

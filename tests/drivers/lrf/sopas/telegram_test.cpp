@@ -161,6 +161,14 @@ TEST(SopasScanData, SaysAllThatTheTelegramDoes) {
             (std::vector<std::uint16_t>{1000, 2000, 0, 1, 0xFFFF}));
 }
 
+TEST(SopasScanData, SaysWhatItDoesNotHave) {
+  std::vector<std::uint16_t> ranges(8);
+  const auto data = read(scan_text("0 1 DIST1 3F800000 00000000 FFF92230 2710 2 1 2 0 0 0 0 0 0"), ranges);
+  ASSERT_TRUE(data.ok());
+  EXPECT_EQ(data.value().channels, 1);
+  EXPECT_FALSE(data.value().has_second_echo || data.value().has_remission);
+}
+
 TEST(SopasScanData, TellsATailThatIsNotAsDocumented) {
   std::vector<std::uint16_t> ranges(4);
   const auto has_whole_tail = [&](const std::string& tail) {

@@ -101,6 +101,18 @@ TEST(MaestroSession, SweepsWithinTheLimitsAtItsSpeed) {
   expect_samples_true(bench, bench.heard().samples);
 }
 
+TEST(MaestroSession, TellsTheSpeedBetweenItsAngles) {
+  ServoBench bench(maestro_params(TiltCommand::kSweep), running_servo());
+  sweep_to_the_middle(bench);
+  const std::vector<TiltSample>& samples = bench.heard().samples;
+  ASSERT_GT(samples.size(), 100U);
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double elapsed_s = 1e-9 * static_cast<double>(samples[i].stamp_ns - samples[i - 1].stamp_ns);
+    ASSERT_NEAR(samples[i].velocity_radps * elapsed_s, samples[i].angle_rad - samples[i - 1].angle_rad, 1e-9);
+  }
+  EXPECT_NEAR(samples.back().velocity_radps, 1.0, 0.1);
+}
+
 TEST(MaestroSession, StopsWithin200MsWithoutGoingBack) {
   ServoBench bench(maestro_params(TiltCommand::kSweep), running_servo());
   sweep_to_the_middle(bench);
@@ -115,6 +127,19 @@ TEST(MaestroSession, StopsWithin200MsWithoutGoingBack) {
   EXPECT_NEAR(bench.angle_rad(), stopped_rad, kStepRad);
   bench.command(TiltCommand::kSweep);
   EXPECT_GE(bench.run_until([&] { return std::abs(bench.angle_rad() - stopped_rad) > 0.2; }, kServoSecond), 0);
+}
+
+TEST(MaestroSession, TellsTheProfileOnce) {
+  ServoBench bench(maestro_params(), running_servo());
+  int told = 0;
+  bench.to_servo = [&](std::vector<ServoFrame>& frames) {
+    for (const ServoFrame& frame : frames) {
+      told += frame[0] == std::byte{0x87} ? 1 : 0;  // set speed
+    }
+  };
+  bench.reset();
+  bench.run(2 * kServoSecond);
+  EXPECT_EQ(told, 1);
 }
 
 TEST(MaestroSession, ToldToStopItLeavesAServoThatIsOffAlone) {
@@ -164,6 +189,10 @@ TEST(MaestroSession, SilenceAndARebootAreToldOnceAndOver) {
     EXPECT_EQ(bench.heard().count(TiltEventType::kReady), 2);
     EXPECT_EQ(bench.session().state(), TiltState::kSweeping);
     EXPECT_EQ(bench.servo_as<MaestroDevice>().speed(), 27U);
+    bench.to_session = [](std::vector<ServoFrame>& frames) { frames.clear(); };
+    bench.reset();
+    bench.run(3 * kServoSecond);
+    EXPECT_EQ(bench.heard().count(TiltEventType::kLost), 2) << "once more when the line is opened anew";
   }
 }
 
@@ -190,6 +219,7 @@ TEST(MaestroSession, AByteTooManyOrTooFewCostsAnAngle) {
     bench.run(2 * kServoSecond);
     EXPECT_EQ(bench.session().state(), TiltState::kSweeping);
     EXPECT_EQ(bench.heard().count(TiltEventType::kLost), 0);
+    EXPECT_EQ(bench.heard().count(TiltEventType::kReady), 1) << "not sought again";
     expect_samples_true(bench, bench.heard().samples);
   }
 }
@@ -207,6 +237,19 @@ TEST(MaestroSession, IsLeftAsItIsTold) {
     EXPECT_EQ(device.has_pulse(), how != TiltEnd::kRelease);
     EXPECT_NEAR(bench.angle_rad(), how == TiltEnd::kLevel ? 0.0 : how == TiltEnd::kHold ? asked_rad + 0.05 : 1.0, 0.25);
     EXPECT_EQ(bench.session().next_deadline_ns(), std::numeric_limits<std::int64_t>::max());
+  }
+}
+
+TEST(MaestroSession, BeforeItRunsItIsReleasedAsItIsToldAndElseLeftWhereItIs) {
+  for (const TiltEnd how : {TiltEnd::kHold, TiltEnd::kLevel, TiltEnd::kRelease}) {
+    ServoBench bench(maestro_params(), running_servo());
+    bench.reset();
+    const double left_rad = bench.angle_rad();
+    bench.session().finish(how, bench.now_ns());
+    bench.run(2 * kServoSecond);
+    EXPECT_TRUE(bench.session().is_finished());
+    EXPECT_EQ(bench.servo_as<MaestroDevice>().has_pulse(), how != TiltEnd::kRelease);
+    EXPECT_NEAR(bench.angle_rad(), left_rad, how == TiltEnd::kRelease ? 1.0 : kStepRad);
   }
 }
 
