@@ -79,32 +79,38 @@ void Localiser::add(const KeyframeStore& store, int keyframe) {
   if (step.is_torn() && !path_.empty()) {
     forget();
   }
-  if (has_work()) {
-    return;
-  }
   const double way_m = path_.empty() ? 0.0 : path_.back().way_m + step.distance_m + kTurn_m_per_rad * step.rotation_rad;
   path_.push_back({{keyframe, store[keyframe].odom_T_scan}, way_m});
   while (path_.size() > kPathScans_max || path_.front().way_m < way_m - kPath_m) {
     path_.erase(path_.begin());
     piece_begin_ -= piece_begin_ > 0 ? 1 : 0;
   }
-  const std::size_t scans = path_.size() - piece_begin_;
-  if (way_m - path_[piece_begin_].way_m >= kPiece_m || scans == kPieceScans_max || is_expectation_new_) {
-    begin_piece(store);
-  }
+  begin_next_piece(store);
 }
 
-void Localiser::take_piece(std::size_t begin) {
-  odom_T_piece_ = path_[(begin + path_.size()) / 2].odom.piece_T_scan;
+void Localiser::take_piece(std::size_t begin, std::size_t end) {
+  odom_T_piece_ = path_[(begin + end) / 2].odom.piece_T_scan;
   piece_.clear();
-  for (std::size_t i = begin; i < path_.size(); ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
     piece_.push_back({path_[i].odom.keyframe, odom_T_piece_.inverse() * path_[i].odom.piece_T_scan});
   }
 }
 
-void Localiser::begin_piece(const KeyframeStore& store) {
-  take_piece(piece_begin_);
-  piece_begin_ = path_.size();
+void Localiser::begin_next_piece(const KeyframeStore& store) {
+  if (has_work()) {
+    return;
+  }
+  bool is_whole = false;
+  std::size_t end = piece_begin_;
+  while (end < path_.size() && !is_whole) {
+    ++end;
+    is_whole = path_[end - 1].way_m - path_[piece_begin_].way_m >= kPiece_m || end - piece_begin_ == kPieceScans_max;
+  }
+  if (!is_whole && !(is_expectation_new_ && end > piece_begin_)) {
+    return;
+  }
+  take_piece(piece_begin_, end);
+  piece_begin_ = end;
   search_.begin(store, piece_);
   ++pieces_;
   std::erase_if(candidates_, [this](const Candidate& each) { return each.piece + kPieces <= pieces_; });
@@ -135,6 +141,7 @@ bool Localiser::work(const SubmapWorld& world, int submaps, SubmapMatcher& match
     verify(world, matcher, rng);
     stage_ = Stage::kIdle;
   }
+  begin_next_piece(world.store);
   return has_work();
 }
 
@@ -175,7 +182,7 @@ void Localiser::try_place(const SubmapWorld& world, SubmapMatcher& matcher, Rng&
 
 void Localiser::verify(const SubmapWorld& world, SubmapMatcher& matcher, Rng& rng) {
   const Candidate& newest = candidates_[agreement_.members.back()];
-  take_piece(0);
+  take_piece(0, path_.size());
   matcher.set_query(world.store, piece_);
   const int reference = newest.match.reference;
   const Pose2 expected = world.graph.pose(reference).inverse() * newest.map_T_odom * odom_T_piece_;

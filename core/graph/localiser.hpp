@@ -38,7 +38,8 @@ class Localiser {
   /// Somebody says where the robot is, or was when it was last seen: it counts as a match would, until there are more.
   /// @param component  Of the graph, in whose frame that is.
   void expect(int component, const Pose2& map_T_scan, const Pose2& odom_T_scan);
-  /// Every keyframe of the path, in the store. While a piece is searched, those that come are left out.
+  /// Every keyframe of the path, in the store. Those that come while a piece is searched are the next ones, unless the
+  /// work falls behind by the metres of path that are kept.
   void add(const KeyframeStore& store, int keyframe);
   [[nodiscard]] bool has_work() const { return stage_ != Stage::kIdle; }
   /// One step. @param submaps  The first so many of the world are searched.
@@ -71,9 +72,10 @@ class Localiser {
     bool is_sure = false;  ///< enough to be found, if the path as a whole fits there
   };
 
-  void begin_piece(const KeyframeStore& store);
-  /// The path from there on, about its middle.
-  void take_piece(std::size_t begin);
+  /// If there is none and the path that was not searched yet is long enough.
+  void begin_next_piece(const KeyframeStore& store);
+  /// That part of the path, about its middle.
+  void take_piece(std::size_t begin, std::size_t end);
   /// How good a match of the piece is; none: it says nothing.
   [[nodiscard]] std::optional<double> quality(const SubmapWorld& world, int reference, const SubmapMatch& match);
   void take_places();

@@ -29,28 +29,24 @@ bool SubmapBuilder::is_full() const {
          (slip_m_ > params_.submap_slip_m && begun_.size() >= kSlipping_min);
 }
 
-bool SubmapBuilder::pass(const OdometryStretch& step, KeyframeStore& store) {
-  const bool has_ended = (step.is_torn() || is_full()) && finish(store);
+void SubmapBuilder::pass(const OdometryStretch& step) {
   since_stored_ = since_stored_.then(step);
   travel_m_ += step.distance_m;
   slip_m_ += math::hypot(step.slip_m.x_m, step.slip_m.y_m);
-  return has_ended;
 }
 
-bool SubmapBuilder::add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store) {
-  const bool has_ended = pass(keyframe.since_last, store);
+void SubmapBuilder::add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store) {
+  pass(keyframe.since_last);
   if (!store.full()) {
     begun_.push_back({store.add(keyframe, codes), since_stored_});
     since_stored_ = {};
   }
-  return has_ended;
 }
 
-bool SubmapBuilder::add_stored(int index, KeyframeStore& store) {
-  const bool has_ended = pass(store[index].since_last, store);
+void SubmapBuilder::add_stored(int index, const KeyframeStore& store) {
+  pass(store[index].since_last);
   begun_.push_back({index, since_stored_});
   since_stored_ = {};
-  return has_ended;
 }
 
 void SubmapBuilder::resume(const Submap& last, const KeyframeStore& store) {

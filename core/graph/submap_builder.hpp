@@ -30,11 +30,14 @@ class SubmapBuilder {
  public:
   explicit SubmapBuilder(const GraphParams& params);
 
+  /// Whether the submap that has begun is to end before a keyframe that comes by this step.
+  [[nodiscard]] bool is_to_end(const OdometryStretch& step) const {
+    return !begun_.empty() && (step.is_torn() || is_full());
+  }
   /// Every keyframe. While the store is full its motion alone is noted.
-  /// @return  Whether a submap has ended: `finished` says which.
-  bool add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store);
+  void add(const Keyframe& keyframe, std::span<const BeamCode> codes, KeyframeStore& store);
   /// The same of a keyframe that the store has already.
-  bool add_stored(int index, KeyframeStore& store);
+  void add_stored(int index, const KeyframeStore& store);
   /// Goes on after a submap that was made before, whose keyframes the store has.
   void resume(const Submap& last, const KeyframeStore& store);
   /// So many keyframes before those of the submap that has begun are no more.
@@ -43,7 +46,7 @@ class SubmapBuilder {
       each.index -= keyframes;
     }
   }
-  /// Ends the submap that has begun. @return  Whether there was one.
+  /// Ends the submap that has begun: `finished` says which. @return  Whether there was one.
   bool finish(KeyframeStore& store);
 
   /// Whether the submap that has begun lies behind a motion that is not credible.
@@ -61,8 +64,7 @@ class SubmapBuilder {
   };
 
   [[nodiscard]] bool is_full() const;
-  /// Before a keyframe is taken. @return  Whether a submap has ended.
-  bool pass(const OdometryStretch& step, KeyframeStore& store);
+  void pass(const OdometryStretch& step);
 
   GraphParams params_;
   std::vector<Begun> begun_;

@@ -58,9 +58,12 @@ bool SubmapGraph::add(const Keyframe& keyframe, std::span<const BeamCode> codes)
   if (is_localising()) {
     keep_path(keyframe);
   }
+  if (builder_.is_to_end(keyframe.since_last)) {
+    end_submap();
+  }
   const int index = store_.size();
-  if (!graph_.full() && graph_.has_room(1) && builder_.add(keyframe, codes, store_)) {
-    add_submap();
+  if (has_room_for_submap()) {
+    builder_.add(keyframe, codes, store_);
   }
   odom_slip_ = turned(matrix_of<2>(builder_.since_origin().map_slip), keyframe.odom_T_scan.yaw_rad);
   if (localiser_ && store_.size() > index) {
@@ -98,9 +101,7 @@ std::optional<int> SubmapGraph::submap_of(int keyframe) const {
 
 // Their keyframes belong to submaps only once these have ended.
 void SubmapGraph::join(const PieceMatch& match) {
-  if (!graph_.full() && graph_.has_room(1) && builder_.finish(store_)) {
-    add_submap();
-  }
+  end_submap();
   const std::optional<int> submap = submap_of(match.keyframe);
   if (!submap || !graph_.has_room(2)) {
     ++counts_.refused;
@@ -132,12 +133,18 @@ void SubmapGraph::join(const PieceMatch& match) {
   ++revision_;
 }
 
+void SubmapGraph::end_submap() {
+  while (work()) {
+  }
+  if (has_room_for_submap() && builder_.finish(store_)) {
+    add_submap();
+  }
+}
+
 // The filter weighs the hypotheses of a motion that is not credible: there its word counts. Elsewhere it tells where
 // the robot is until a loop is closed, for it drifts less than a chain of motions; of its newest pose alone, for the
 // errors of its poses are those of one map and would be counted again and again.
 void SubmapGraph::add_submap() {
-  while (work()) {
-  }
   const Submap& submap = builder_.finished();
   if (path_begin() == submaps_.size()) {
     graph_.add_node(map_T_local_ * store_[submap.first_keyframe].map_T_odom * submap.odom_T_submap);
@@ -335,9 +342,7 @@ std::optional<MapCorrection> SubmapGraph::take_correction() {
 }
 
 void SubmapGraph::finish() {
-  if (!graph_.full() && graph_.has_room(1) && builder_.finish(store_)) {
-    add_submap();
-  }
+  end_submap();
   while (work()) {
   }
   begin_work(own_submaps() > 0 ? graph_.size() - 1 : 0);

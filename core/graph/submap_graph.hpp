@@ -174,6 +174,10 @@ class SubmapGraph {
   void join(const PieceMatch& match);
   /// The submap of this run that a keyframe belongs to; none: it was not taken.
   [[nodiscard]] std::optional<int> submap_of(int keyframe) const;
+  [[nodiscard]] bool has_room_for_submap() const { return !graph_.full() && graph_.has_room(1); }
+  /// Does all work, which may have the path joined to the world, before it ends the submap that has begun, if there is
+  /// one.
+  void end_submap();
   void add_submap();
   /// Before a keyframe, in a world that stays as it is.
   void keep_path(const Keyframe& next);

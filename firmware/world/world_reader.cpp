@@ -237,7 +237,10 @@ class Reader {
     if (!mapped.empty()) {
       builder.resume(mapped.back().submap, world_->store);
     }
-    const auto append = [&] {
+    const auto end_submap = [&] {
+      if (!builder.finish(world_->store)) {
+        return;
+      }
       const Submap& submap = builder.finished();
       const OdometryStretch& odometry = builder.odometry();
       const bool is_first = mapped.empty();
@@ -252,13 +255,12 @@ class Reader {
       }
     };
     for (int next = next_keyframe(number); next < session.first_keyframe + session.keyframes; ++next) {
-      if (builder.add_stored(next, world_->store)) {
-        append();
+      if (builder.is_to_end(world_->store[next].since_last)) {
+        end_submap();
       }
+      builder.add_stored(next, world_->store);
     }
-    if (builder.finish(world_->store)) {
-      append();
-    }
+    end_submap();
   }
 
   /// Numbers all submaps session by session.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -60,7 +61,7 @@ class Feed {
     gate_.encode(scan, local_T_odom, keyframe, codes);
     gate_.accept();
     bool is_at_work = graph.add(keyframe, codes);
-    while (is_at_work) {
+    for (int step = 0; is_at_work && step < steps_max; ++step) {
       const Pose2 before = graph.map_T_odom() * motion.odom_T_current;
       const int thinnings = graph.thinnings();
       is_at_work = graph.work();
@@ -73,9 +74,10 @@ class Feed {
     }
   }
 
-  Pose2 local_T_odom{};              ///< as a particle filter would have it
-  double unknown_s = 0.0;            ///< with the next motion, as it would say
-  double moved_by_thinning_m = 0.0;  ///< the robot, at most
+  int steps_max = std::numeric_limits<int>::max();  ///< of the graph's work from keyframe to keyframe
+  Pose2 local_T_odom{};                             ///< as a particle filter would have it
+  double unknown_s = 0.0;                           ///< with the next motion, as it would say
+  double moved_by_thinning_m = 0.0;                 ///< the robot, at most
 
   struct Correction {
     MapCorrection said;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <vector>
 
 #include "tests/core/graph/graph_drive.hpp"
@@ -71,6 +73,45 @@ TEST(Localiser, IsSureAfterAWhileAndHasAllOfThePathWhereTheRobotWas) {
   for (std::size_t i = 0; i < path.size(); ++i) {
     ASSERT_LT(path[i].map_T_scan.distance_m(mapped().poses.front().inverse() * run.poses[i]), 0.25) << i;
   }
+}
+
+// On a busy machine keyframes come while a piece is searched, and the place may be found just as a submap ends.
+TEST(Localiser, FindsTheRobotWhileKeyframesComeAndEachIsOfOneSubmap) {
+  for (const double begin_m : {0.5, 1.0, 1.5, 2.0}) {
+    Continued run;
+    run.feed.steps_max = 12;
+    run.drive({{-10.5, begin_m}, {-10.5, -6.5}, {10.5, -6.5}, {10.5, 2.0}});
+    EXPECT_TRUE(run.graph.is_joined()) << begin_m;
+    EXPECT_LT(run.error_m(), 0.15) << begin_m;
+    run.graph.finish();
+    int next = run.graph.first_keyframe();
+    for (const Submap& submap : run.graph.submaps().subspan(run.graph.first_submap())) {
+      EXPECT_EQ(submap.first_keyframe, next) << begin_m;
+      next = submap.end_keyframe();
+    }
+    EXPECT_EQ(next, run.graph.keyframes().size()) << begin_m;
+  }
+}
+
+// What is driven while a piece is searched counts.
+TEST(Localiser, LosesNoWayWhileItSearches) {
+  const auto way_until_found_m = [](int steps_max) {
+    Continued run;
+    run.feed.steps_max = steps_max;
+    constexpr double kStep_m = 0.25;
+    double way_m = 0.0;
+    for (; !run.graph.is_joined() && way_m < 8.5; way_m += kStep_m) {
+      run.drive({{-10.5, 2.0 - way_m}, {-10.5, 2.0 - way_m - kStep_m}});
+    }
+    for (; !run.graph.is_joined() && way_m < 25.0; way_m += kStep_m) {
+      run.drive({{way_m - 19.0, -6.5}, {way_m - 19.0 + kStep_m, -6.5}});
+    }
+    return way_m;
+  };
+  const double at_once_m = way_until_found_m(std::numeric_limits<int>::max());
+  const double busy_m = way_until_found_m(15);
+  std::printf("  found after %.2f m, on a busy machine after %.2f m\n", at_once_m, busy_m);
+  EXPECT_LT(busy_m, at_once_m + 2.0);
 }
 
 TEST(Localiser, LeavesTheOldWorldAsItWas) {
@@ -203,6 +244,37 @@ TEST(Localising, WhereItIsNeverFoundItTakesNoMoreMemory) {
   }
   EXPECT_GT(run.graph.forgotten(), 10);
   EXPECT_LE(run.graph.submaps().size() - run.graph.first_submap(), 42U);
+}
+
+// What it has seen of the way since then it keeps, and the state says that it may be wrong.
+TEST(Localising, IsSureUntilNothingOfTheWorldHasHeldItForFiveSubmaps) {
+  Drive half(ring(18.0, 10.0), {0.002, 0.0, 0.0002});
+  half.drive({{-10.5, -6.5}, {10.5, -6.5}, {10.5, 6.5}});
+  half.graph.finish();
+  Drive run(ring(18.0, 10.0), {0.002, 0.0, 0.0002});
+  ASSERT_TRUE(run.graph.resume(half.graph.world(), WorldUse::kLocalise));
+  run.drive({{-10.5, -6.5}, {10.5, -6.5}, {10.5, 6.5}});
+  ASSERT_TRUE(run.graph.is_in_world());
+  double way_m = 0.0;
+  const auto drive_on = [&](const Point2& from, const Point2& to) {  // while it is sure
+    const double length_m = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
+    for (double at = 0.0; at < 1.0 && run.graph.is_in_world(); at += 0.5 / length_m) {
+      const double next = at + 0.5 / length_m;
+      run.drive({{from.x_m + at * (to.x_m - from.x_m), from.y_m + at * (to.y_m - from.y_m)},
+                 {from.x_m + next * (to.x_m - from.x_m), from.y_m + next * (to.y_m - from.y_m)}});
+      way_m += 0.5;
+    }
+  };
+  drive_on({10.5, 6.5}, {-10.5, 6.5});
+  drive_on({-10.5, 6.5}, {-10.5, -1.0});
+  drive_on({-10.5, -1.0}, {-10.5, 6.5});
+  drive_on({-10.5, 6.5}, {8.0, 6.5});
+  EXPECT_FALSE(run.graph.is_in_world());
+  EXPECT_GT(way_m, 4 * GraphParams{}.submap_travel_m);
+  EXPECT_LT(way_m, 9 * GraphParams{}.submap_travel_m);
+  const Pose2 at = run.poses.back();
+  run.drive({{at.x_m, at.y_m}, {-10.5, 6.5}, {10.5, 6.5}, {10.5, -6.5}, {-10.5, -6.5}});
+  EXPECT_TRUE(run.graph.is_in_world());
 }
 
 TEST(Localising, APoseThatSomebodySaysIsTriedAndNotBelieved) {

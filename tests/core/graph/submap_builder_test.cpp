@@ -44,10 +44,11 @@ class BuilderDrive {
       std::vector<BeamCode> codes(static_cast<std::size_t>(gate_.beams(scan_)));
       gate_.encode(scan_, {}, keyframe, codes);
       gate_.accept();
-      if (builder_.add(keyframe, codes, store_)) {
+      if (builder_.is_to_end(keyframe.since_last) && builder_.finish(store_)) {
         submaps.push_back(builder_.finished());
         odometry.push_back(builder_.odometry());
       }
+      builder_.add(keyframe, codes, store_);
     }
   }
 
