@@ -38,7 +38,6 @@ class BeamProjector {
                                                    const ScanMotion& motion);
 
   [[nodiscard]] const TiltMount& mount() const { return mount_; }
-  [[nodiscard]] std::size_t memory_bytes() const { return points_.capacity() * sizeof(BeamPoint); }
 
  private:
   TiltMount mount_;

@@ -28,7 +28,6 @@ class CloudMapper {
   [[nodiscard]] KeyedCloud& cloud() { return cloud_; }
   [[nodiscard]] const KeyedCloud& cloud() const { return cloud_; }
   [[nodiscard]] const TiltMount& mount() const { return projector_.mount(); }
-  [[nodiscard]] std::size_t memory_bytes() const { return cloud_.memory_bytes() + projector_.memory_bytes(); }
 
  private:
   [[nodiscard]] bool key_is_due(const Pose2& odom_T_scan) const;

@@ -78,8 +78,4 @@ double KeyedCloud::used() const {
                   static_cast<double>(keys_.size()) / params_.keys_max);
 }
 
-std::size_t KeyedCloud::memory_bytes() const {
-  return keys_.capacity() * sizeof(CloudKey) + points_.capacity() * sizeof(CloudPoint) + table_.memory_bytes();
-}
-
 }  // namespace odoless

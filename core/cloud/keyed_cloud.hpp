@@ -81,7 +81,6 @@ class KeyedCloud {
   [[nodiscard]] std::int64_t refused() const { return refused_; }
   /// Share of the memory for points, or for keys where that is more, that is in use: 0 to 1.
   [[nodiscard]] double used() const;
-  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   /// A known point's number, or the next one's where there is room for it.

@@ -166,9 +166,4 @@ void PoseGraph::project(int begin, int end, bool of_drift, Projection& out) cons
   }
 }
 
-std::size_t PoseGraph::memory_bytes() const {
-  return poses_.capacity() * (sizeof(Pose2) + 2 * sizeof(int)) +
-         constraints_.capacity() * (sizeof(Constraint) + sizeof(Links));
-}
-
 }  // namespace odoless

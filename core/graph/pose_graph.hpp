@@ -91,7 +91,6 @@ class PoseGraph {
   void project(int root, Projection& out) const;
   /// The drift alone: the same from the nearest of several nodes, whose poses are certain, and breaks add nothing.
   void project_drift(int begin, int end, Projection& out) const;
-  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   static constexpr int kNone = -1;

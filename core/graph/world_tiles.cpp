@@ -25,11 +25,6 @@ WorldTiles::WorldTiles(const BeamModelParams& beam, const ScanParams& scan, doub
   }
 }
 
-std::size_t WorldTiles::memory_bytes(int keyframes_max) {
-  return kPieces * MapPiece::kSide_cells * MapPiece::kSide_cells * sizeof(Cell) +
-         static_cast<std::size_t>(keyframes_max) * (sizeof(PlacedKeyframe) + sizeof(int));
-}
-
 void WorldTiles::update(const SubmapWorld& world) {
   for_each_keyframe(world, [&](int keyframe, const Pose2& map_T_scan) {
     place_of_.resize(std::max(place_of_.size(), static_cast<std::size_t>(keyframe) + 1), kNowhere);

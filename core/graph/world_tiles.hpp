@@ -43,8 +43,6 @@ class WorldTiles {
   /// A tile that has changed since it was told last, written to `out`; none: all are told.
   [[nodiscard]] std::optional<Index> tell(Occupancy& out);
 
-  [[nodiscard]] static std::size_t memory_bytes(int keyframes_max);
-
  private:
   static constexpr int kTilesPerSide = MapPiece::kSide_cells / kSide_cells;
 

@@ -139,14 +139,6 @@ void AncestryGrid::branch(std::span<const int> copies) {
   forget_answers();
 }
 
-std::size_t AncestryGrid::memory_bytes() const {
-  const std::size_t words = free_.capacity() + first_of_tile_.capacity() + answers_of_tile_.capacity() +
-                            answered_.capacity() + answers_.capacity() + written_m_.capacity();
-  return tiles_.capacity() * sizeof(Tile) + versions_.capacity() * sizeof(Entry) +
-         owned_.capacity() * (sizeof(OwnedTiles) + sizeof(Owner) + sizeof(Node)) + words * sizeof(Version) +
-         tree_.memory_bytes();
-}
-
 /// Ancestors paint first and descendants over them: the list, read from its end, has them in this order.
 void AncestryGrid::answer(std::uint32_t tile) {
   answered_.push_back(tile);

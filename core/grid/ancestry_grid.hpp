@@ -104,7 +104,6 @@ class AncestryGrid {
   [[nodiscard]] const AncestryTree& tree() const { return tree_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] int tiles_used() const { return static_cast<int>(versions_.size() - kFirstVersion - free_.size()); }
-  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   using Node = AncestryTree::Node;

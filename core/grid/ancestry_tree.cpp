@@ -73,11 +73,6 @@ void AncestryTree::branch(std::span<const int> copies) {
   number_leaves();
 }
 
-std::size_t AncestryTree::memory_bytes() const {
-  return nodes_.capacity() * sizeof(Links) + merged_.capacity() * sizeof(Merge) +
-         (free_.capacity() + leaves_.capacity() + old_leaves_.capacity() + pruned_.capacity()) * sizeof(Node);
-}
-
 AncestryTree::Node AncestryTree::take_node() {
   ODOLESS_CHECK(!free_.empty());
   const Node node = free_.back();

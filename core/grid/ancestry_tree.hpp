@@ -70,8 +70,6 @@ class AncestryTree {
   /// Merges of the last `retain`, in the order in which they happened, after all prunings.
   [[nodiscard]] std::span<const Merge> merged() const { return merged_; }
 
-  [[nodiscard]] std::size_t memory_bytes() const;
-
  private:
   struct Links {
     Node parent = kNone;

@@ -43,7 +43,6 @@ class ApartPoses {
 
   /// In no order.
   [[nodiscard]] std::span<const ScoredPoint> poses() const { return {poses_.data(), size_}; }
-  [[nodiscard]] std::size_t memory_bytes() const { return poses_.capacity() * sizeof(ScoredPoint); }
 
  private:
   [[nodiscard]] std::vector<ScoredPoint>::iterator end() { return poses_.begin() + static_cast<std::ptrdiff_t>(size_); }

@@ -90,11 +90,6 @@ int GlobalSearch::step_evaluations_max() const {
   return std::max({kSquare_evaluations, directions_, climb});
 }
 
-std::size_t GlobalSearch::memory_bytes() const {
-  return sizeof(*this) + fine_.memory_bytes() + coarse_.memory_bytes() + peaks_.memory_bytes() + found_.memory_bytes() +
-         4 * sizeof(float) * static_cast<std::size_t>(points_.capacity());
-}
-
 int GlobalSearch::read_square(MapSquares& map) {
   constexpr int kSide = MapSquares::kSide_cells;
   const GridGeometry grid = map.geometry();

@@ -92,8 +92,6 @@ class GlobalSearch {
   /// Climbs the fine raster near `start`.
   [[nodiscard]] ScoredPoint climb(const PointSet& points, const SearchPoint& start, int steps) const;
 
-  [[nodiscard]] std::size_t memory_bytes() const;
-
  private:
   enum class Phase : std::uint8_t { kWalls, kFree, kIdle, kSweep, kClimb, kDone };
 

@@ -68,7 +68,6 @@ class ScoreRaster {
   [[nodiscard]] double at(const Point2& p_reference) const;
 
   [[nodiscard]] const RasterParams& params() const { return params_; }
-  [[nodiscard]] std::size_t memory_bytes() const { return pixels_.capacity() * sizeof(std::int16_t); }
 
  private:
   /// A part of a disc within the half plane y >= 0, as seen from its apex.

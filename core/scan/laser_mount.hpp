@@ -28,10 +28,6 @@ class LaserMount {
   /// Sets the ignored ones among ranges that are in the laser's own order to 0: nothing is known.
   void mask(const RawScan& raw, std::span<float> ranges_m);
 
-  [[nodiscard]] std::size_t memory_bytes() const {
-    return ranges_m_.capacity() * sizeof(float) + ignored_.capacity() * sizeof(std::uint8_t);
-  }
-
  private:
   [[nodiscard]] bool is_ignored(double bearing_rad) const;
   [[nodiscard]] bool fits(const RawScan& raw) const;

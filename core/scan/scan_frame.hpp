@@ -94,11 +94,6 @@ class ScanFrame {
     return {range_m(beam) * d.x_m, range_m(beam) * d.y_m};
   }
   [[nodiscard]] double range_max_m() const { return params_.range_max_m; }
-  /// Set aside at construction.
-  [[nodiscard]] std::size_t memory_bytes() const {
-    return ranges_m_.capacity() * sizeof(float) + states_.capacity() * sizeof(BeamState) +
-           directions_.capacity() * sizeof(Point2);
-  }
 
  private:
   void set_geometry(const RawScan& raw);

@@ -69,15 +69,6 @@ bool Hslam::work(int particles) {
   return false;
 }
 
-std::size_t Hslam::memory_bytes() const {
-  std::size_t bytes = sizeof(*this) + particles_.memory_bytes() + motions_.capacity() * sizeof(Motion) +
-                      scores_.capacity() * sizeof(double) + scans_weighed_.capacity() * sizeof(int);
-  for (const std::vector<Beam>& beams : beams_) {
-    bytes += beams.capacity() * sizeof(Beam);
-  }
-  return bytes;
-}
-
 void Hslam::pick_scans() {
   scans_weighed_.clear();
   beams_weighed_ = 0;

@@ -74,7 +74,6 @@ class Hslam {
   [[nodiscard]] int copy_last_poses(std::span<StampedPose> last) const {
     return particles_.paths().copy_last(particles_.best(), last);
   }
-  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   enum class Phase : std::uint8_t { kIdle, kWeigh, kChoose, kMap };

@@ -26,8 +26,6 @@ class KldSampling {
   /// distribution, with a probability of 0.99 (equation 7 of Fox's paper). At least 1; `error` above 0.
   [[nodiscard]] static int particles_for(int bins, double error);
 
-  [[nodiscard]] std::size_t memory_bytes() const { return keys_.capacity() * sizeof(Key); }
-
  private:
   using Key = std::array<int, 3>;
 

@@ -99,11 +99,6 @@ GridCell Lslam::cell_of(const Pose2& map_T_scan) const {
   return {at(cells.x_m), at(cells.y_m)};
 }
 
-std::size_t Lslam::memory_bytes() const {
-  return sizeof(*this) + particles_.memory_bytes() + kld_.memory_bytes() + scores_.capacity() * sizeof(double) +
-         (errors_.capacity() + old_errors_.capacity()) * sizeof(DrawnError) + beams_.capacity() * sizeof(Beam);
-}
-
 void Lslam::move(const Motion& motion, UpdateReport& report) {
   ODOLESS_CHECK(is_finite(motion.previous_T_current));
   const ErrorProcess process = motion.error();

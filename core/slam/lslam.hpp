@@ -120,8 +120,6 @@ class Lslam {
   [[nodiscard]] const GridGeometry& geometry() const { return particles_.grid().geometry(); }
   /// Tiles of the pool in use, of `params.grid.tiles_max`.
   [[nodiscard]] int tiles_used() const { return particles_.grid().tiles_used(); }
-  /// All memory set aside at construction.
-  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   void move(const Motion& motion, UpdateReport& report);

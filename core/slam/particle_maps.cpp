@@ -88,10 +88,4 @@ void ParticleMaps::multiply() {
   std::fill(weights_.begin(), weights_.end(), 1.0 / static_cast<double>(next));
 }
 
-std::size_t ParticleMaps::memory_bytes() const {
-  return grid_.memory_bytes() + paths_.memory_bytes() + (poses_.capacity() + old_poses_.capacity()) * sizeof(Pose2) +
-         (log_weights_.capacity() + weights_.capacity()) * sizeof(double) +
-         (copies_.capacity() + scratch_.capacity()) * sizeof(int);
-}
-
 }  // namespace odoless

@@ -89,8 +89,6 @@ class ParticleMaps {
   [[nodiscard]] PathPool& paths() { return paths_; }
   [[nodiscard]] const PathPool& paths() const { return paths_; }
 
-  [[nodiscard]] std::size_t memory_bytes() const;
-
  private:
   template <class Value>
   [[nodiscard]] std::span<Value> living(std::vector<Value>& values) const {

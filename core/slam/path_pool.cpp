@@ -99,11 +99,6 @@ void PathPool::write_path(int particle, std::vector<StampedPose>& path) const {
   std::reverse(path.begin(), path.end());
 }
 
-std::size_t PathPool::memory_bytes() const {
-  return records_.capacity() * sizeof(Record) +
-         (free_.capacity() + ends_.capacity() + old_ends_.capacity()) * sizeof(Index);
-}
-
 PathPool::Index PathPool::take() {
   if (free_.empty()) {
     ODOLESS_CHECK(fresh_ < records_.size());

@@ -44,7 +44,6 @@ class PathPool {
   /// With those that are to be given back still.
   [[nodiscard]] int records_used() const { return static_cast<int>(records_.size() - room()); }
   [[nodiscard]] std::int64_t thinned() const { return thinned_; }
-  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   using Index = std::uint32_t;

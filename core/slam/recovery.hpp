@@ -63,9 +63,6 @@ class Recovery {
   [[nodiscard]] bool may_be_elsewhere() const;
   /// Of the last scan; 1 before the first.
   [[nodiscard]] double fit() const { return last_fit_.mean; }
-  [[nodiscard]] std::size_t memory_bytes() const {
-    return sizeof(*this) + fit_.memory_bytes() + relocaliser_.memory_bytes();
-  }
 
  private:
   static constexpr double kFit_memory_s = 60.0;  ///< longer than a wrong pose may take to show

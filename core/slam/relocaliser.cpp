@@ -71,11 +71,6 @@ std::optional<Pose2> Relocaliser::process(Slam& slam, const ScanFrame& scan,
   return std::nullopt;
 }
 
-std::size_t Relocaliser::memory_bytes() const {
-  return sizeof(*this) + fit_.memory_bytes() + search_.memory_bytes() + trial_.capacity() * sizeof(Candidate) +
-         2 * sizeof(float) * static_cast<std::size_t>(points_.capacity());
-}
-
 void Relocaliser::start_trial(const std::optional<Pose2>& believed_map_T_scan) {
   trial_count_ = 0;
   if (believed_map_T_scan) {

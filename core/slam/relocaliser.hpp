@@ -35,7 +35,6 @@ class Relocaliser {
 
   /// The candidates that are on trial.
   [[nodiscard]] int candidates() const { return static_cast<int>(trial_count_); }
-  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   struct Candidate {

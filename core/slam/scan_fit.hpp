@@ -65,8 +65,6 @@ class ScanFit {
     return {mean, known, known > 0.0 ? std::min(1.0, explained / known) : 1.0};
   }
 
-  [[nodiscard]] std::size_t memory_bytes() const { return beams_.capacity() * sizeof(Beam); }
-
  private:
   static BeamModelParams widened(BeamModelParams beam, double sigma_m) {
     beam.sigma_m = sigma_m;

@@ -64,13 +64,4 @@ Pose2 RunSegment::scan_pose(int path, int index, const Eigen::Vector3d& drift) c
   return {pose.x_m + share * drift.x(), pose.y_m + share * drift.y(), wrap_angle(pose.yaw_rad + share * drift.z())};
 }
 
-std::size_t RunSegment::memory_bytes() const {
-  std::size_t bytes = start_T_scans_.capacity() * sizeof(Pose2) + path_weights_.capacity() * sizeof(double) +
-                      last_.capacity() * sizeof(StampedPose);
-  for (const ScanFrame& scan : scans_) {
-    bytes += sizeof(ScanFrame) + scan.memory_bytes();
-  }
-  return bytes;
-}
-
 }  // namespace odoless

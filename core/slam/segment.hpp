@@ -41,8 +41,6 @@ class RunSegment {
   /// Covariance of the drift of the end.
   [[nodiscard]] const Eigen::Matrix3d& drift_covariance() const { return covariance_; }
 
-  [[nodiscard]] std::size_t memory_bytes() const;
-
  private:
   DriftParams drift_;
   std::vector<ScanFrame> scans_;

@@ -156,15 +156,6 @@ int Slam::copy_last_poses(std::span<StampedPose> last) const {
   return finished + copied;
 }
 
-std::size_t Slam::memory_bytes() const {
-  std::size_t bytes = sizeof(*this) + low_.memory_bytes() + last_.capacity() * sizeof(StampedPose);
-  bytes += high_ ? high_->memory_bytes() : 0;
-  for (const RunSegment& segment : segments_) {
-    bytes += segment.memory_bytes();
-  }
-  return bytes;
-}
-
 /// Whatever HSLAM has not done of the segment before is done now: nothing is left if `work` was called as it should.
 void Slam::close_segment() {
   run(high_->slices());

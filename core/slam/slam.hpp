@@ -73,7 +73,6 @@ class Slam {
   [[nodiscard]] const Lslam& low() const { return low_; }
   /// None if `high.particles` is 0.
   [[nodiscard]] const Hslam* high() const { return high_ ? &*high_ : nullptr; }
-  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   [[nodiscard]] bool has_segments() const { return high_ && high_->report().segments > 0; }

@@ -16,11 +16,6 @@ constexpr int kSlotsInHand = 4;
 
 int slots_of(const PipelineParams& params) { return params.scan_queue + params.motion_queue + kSlotsInHand; }
 
-std::size_t frame_bytes_of(const ScanParams& scan) {
-  const std::size_t per_beam = sizeof(float) + sizeof(BeamState) + sizeof(Point2);
-  return sizeof(ScanFrame) + static_cast<std::size_t>(scan.beams_max) * per_beam;
-}
-
 // Ranges, and raw bytes of the device besides, which are about as many.
 std::size_t scan_outbox_bytes(const ScanParams& scan) {
   return kScansWaiting * (sizeof(ScanRecord) + static_cast<std::size_t>(scan.beams_max) * 2 * sizeof(float)) +
@@ -40,14 +35,7 @@ Pipeline::Pipeline(const PipelineParams& params, const RobotParams& robot, bool 
       sensor(scan_outbox_bytes(robot.scan), kEvents),
       matcher(kSmallOutbox_bytes, kEvents),
       filter(kTileOutbox_bytes, kEvents),
-      gpio(kGpioOutbox_bytes),
-      frame_bytes_(frame_bytes_of(robot.scan)) {}
-
-std::size_t Pipeline::memory_bytes() const {
-  return sizeof(*this) + static_cast<std::size_t>(pool.size()) * frame_bytes_ +
-         motions.capacity() * sizeof(MotionMessage) + sensor.outbox.ring().memory_bytes() +
-         matcher.outbox.ring().memory_bytes() + filter.outbox.ring().memory_bytes() + gpio.ring().memory_bytes();
-}
+      gpio(kGpioOutbox_bytes) {}
 
 std::int64_t Pipeline::records_dropped() const {
   return static_cast<std::int64_t>(sensor.outbox.ring().rejected() + matcher.outbox.ring().rejected() +

@@ -38,9 +38,6 @@ struct StagePort {
 struct Pipeline {
   Pipeline(const PipelineParams& params, const RobotParams& robot, bool lossless_replay);
 
-  /// All memory set aside, in bytes.
-  [[nodiscard]] std::size_t memory_bytes() const;
-
   /// Records that found no room on their way to the publisher.
   [[nodiscard]] std::int64_t records_dropped() const;
 
@@ -58,9 +55,6 @@ struct Pipeline {
   std::atomic<bool> stopping{false};  ///< the sensor takes nothing in any more; the others drain
   /// What still waits is left where it is: the stages end after what they are at.
   std::atomic<bool> abandoning{false};
-
- private:
-  std::size_t frame_bytes_;
 };
 
 }  // namespace odoless

@@ -197,9 +197,4 @@ CloudPiece CloudFeed::next_piece(std::size_t points_max) {
   return {};
 }
 
-std::size_t CloudFeed::memory_bytes() const {
-  return mapper_.memory_bytes() + kWaiting * tilts_rad_.capacity() * sizeof(float) +
-         keys_.capacity() * sizeof(KeyState) + kPoses * sizeof(StampedPose);
-}
-
 }  // namespace odoless

@@ -46,7 +46,6 @@ class CloudFeed {
   [[nodiscard]] const KeyedCloud& cloud() const { return mapper_.cloud(); }
   /// Scans are left out where their poses or angles never came, or too many waited.
   [[nodiscard]] CloudHealth health() const;
-  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   static constexpr std::size_t kWaiting = 256;  ///< two gaps between poses of 2 s (pose_gap_max_s), at 40 Hz and more

@@ -36,8 +36,6 @@ class MapStore {
   [[nodiscard]] OccupancyMap map();
   [[nodiscard]] MapSize size() const;
 
-  [[nodiscard]] std::size_t memory_bytes() const { return 2 * cells_.capacity(); }
-
  private:
   /// Columns or rows from `begin` to before `end`, from the map's origin.
   struct Extent {

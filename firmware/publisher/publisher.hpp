@@ -101,11 +101,6 @@ class Publisher {
   /// Any thread: the same at the end, with the final trajectory.
   [[nodiscard]] std::vector<Point3> final_cloud(std::span<const StampedPose> path);
 
-  [[nodiscard]] const LogWriterCounters& recorder_counters() const { return recorder_.counters(); }
-  [[nodiscard]] std::size_t memory_bytes() const {
-    return map_.memory_bytes() + (cloud_ ? cloud_->memory_bytes() : 0) + (live_ ? live_->memory_bytes() : 0);
-  }
-
  private:
   /// @param before  What is in there was sent earlier and goes first: a motion never overtakes its scan, without which
   ///                a filter elsewhere would have to go on.

@@ -50,8 +50,6 @@ class LiveView {
   /// Appends what is new for that browser, as much as it has credit for.
   void tell(LiveCursor& cursor, std::int64_t now_ns, std::string& events) const;
 
-  [[nodiscard]] std::size_t memory_bytes() const { return levels_.capacity(); }
-
  private:
   struct TileIndex {
     int column = 0;

@@ -71,6 +71,23 @@ class EmbeddedTest(unittest.TestCase):
         self.assertEqual(len(found), 100)
         self.assertLess(max(drive.errors_m(found, 100)), 0.05)
 
+    def in_block(self, megabytes):
+        return subprocess.run([os.path.join(self.folder, f"slam_in_{megabytes}_mb")], input=drive.lines(100), capture_output=True,
+                              text=True, check=False)
+
+    def test_a_drive_is_followed_in_a_block_of_memory_that_the_program_brings(self):
+        outcome = self.in_block(128)
+        self.assertEqual(outcome.returncode, 0, outcome.stderr)
+        self.assertEqual(outcome.stdout, run(self.program("slam_from_csv"), input=drive.lines(100)))
+        taken = int(re.fullmatch(r"(\d+) of 128000000 bytes taken\n", outcome.stderr).group(1))
+        self.assertGreater(taken, 90e6)
+        self.assertLess(taken, 100e6)
+
+    def test_a_block_that_is_too_small_is_seen_at_once(self):
+        outcome = self.in_block(4)
+        self.assertEqual((outcome.returncode, outcome.stdout), (71, ""))
+        self.assertRegex(outcome.stderr, r"of 4000000 bytes taken, and more are asked for$")
+
     def test_what_is_no_scan_is_refused(self):
         for text in ("", "scan\n", "scan,x,0,0.1,,1\nscan,1,0,0.1,,1\n", "scan,1,0,0,,1\nscan,1,0,0,,1\n"):
             outcome = subprocess.run([self.program("match_two_scans")], input=text, capture_output=True, text=True, check=False)
