@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <span>
+#include <utility>
 
 #include "firmware/daemon/log.hpp"
 #include "firmware/daemon/real_time_entry.hpp"
+#include "firmware/daemon/stage_watch.hpp"
 #include "firmware/sources/lcm_source.hpp"
 
 namespace odoless {
@@ -120,7 +122,6 @@ Machine::Machine(DaemonOptions& options)
 
 Machine::~Machine() {
   if (is_running() && !stop()) {
-    log_line(EventPriority::kCritical, "a stage does not end");
     ::_exit(EX_SOFTWARE);
   }
 }
@@ -200,24 +201,28 @@ void Machine::wake_all() const {
 }
 
 bool Machine::stop() {
-  const std::int64_t begin_ns = clock_.now_ns();
   pipeline_.stopping.store(true, std::memory_order_release);
   // Of a thread that could not be made, nobody else says that it has ended.
   pipeline_.sensor.done = pipeline_.sensor.done || !sensor_thread_.started();
   pipeline_.matcher.done = pipeline_.matcher.done || !matcher_thread_.started();
   pipeline_.filter.done = pipeline_.filter.done || !filter_thread_.started();
   wake_all();
-  while (!has_ended()) {
-    const std::int64_t waited_ns = clock_.now_ns() - begin_ns;
-    if (waited_ns > kEnd_ns) {
+  StageWatch watch(watched_stages());
+  for (std::int64_t looks = 0; !has_ended(); ++looks) {
+    watch.look();
+    if (const StageWatch::Silence silence = watch.longest(); silence.lasts_ns > kEnd_ns) {
+      log_line(EventPriority::kCritical, fmt::format("the {} stage does not end", silence.stage));
       return false;
     }
-    if (waited_ns > kDrain_ns && !pipeline_.abandoning.exchange(true)) {
+    if (looks * StageWatch::kLook_ns > kDrain_ns && !pipeline_.abandoning.exchange(true)) {
       log_line(EventPriority::kWarning, "the stages take too long: scans that still wait are left out");
       wake_all();
     }
-    publisher_.round(clock_.now_ns());
-    sleep_ns(kRoomWait_ns);
+    const std::int64_t next_ns = clock_.now_ns() + StageWatch::kLook_ns;
+    while (!has_ended() && clock_.now_ns() < next_ns) {
+      publisher_.round(clock_.now_ns());
+      sleep_ns(kRoomWait_ns);
+    }
   }
   sensor_thread_.join();
   matcher_thread_.join();

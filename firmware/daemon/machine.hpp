@@ -40,8 +40,8 @@ class Machine {
 
   /// Starts the real-time threads. @return 0, or the errno for which one cannot run.
   [[nodiscard]] int start(bool enforce);
-  /// Ends the stages: they drain, and leave what still waits after `kDrain_ns`. False if one doesn't end within
-  /// `kEnd_ns`; what the publisher knows can still be saved then.
+  /// Ends the stages: they drain, and leave what still waits after `kDrain_ns`. False if one has not answered for
+  /// `kEnd_ns`, as a StageWatch has it: what the publisher knows can still be saved then.
   [[nodiscard]] bool stop();
   static constexpr std::int64_t kDrain_ns = 700'000'000;
   static constexpr std::int64_t kEnd_ns = 2'000'000'000;

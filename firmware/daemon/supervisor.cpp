@@ -305,7 +305,6 @@ int Supervisor::end() {
   notify_service_manager("STOPPING=1");
   end_process_after(kEnd_s, EX_SOFTWARE);
   if (!machine_.stop()) {
-    log_line(EventPriority::kCritical, "a stage does not end");
     end_without_stages();
   }
   let_process_end_in_its_time();  // a large map may take long on a slow disk
