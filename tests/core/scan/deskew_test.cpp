@@ -16,19 +16,20 @@ constexpr std::int64_t kTurn_ns = 100'000'000;    // 10 Hz
 constexpr double kFast_radps = std::numbers::pi;  // 180 degrees per second
 
 /// The beams of a sweep, a degree apart.
-struct Sweep {
+struct DeskewedSweep {
   int beams = 271;
   double start_rad = -0.75 * std::numbers::pi;
   double step_rad = std::numbers::pi / 180.0;
 };
-constexpr Sweep kThreeQuarters{};
-constexpr Sweep kWholeTurn{.beams = 360, .start_rad = -std::numbers::pi};
-constexpr Sweep kClockwiseFromTheFront{.beams = 360, .start_rad = 0.0, .step_rad = -std::numbers::pi / 180.0};
+constexpr DeskewedSweep kThreeQuarters{};
+constexpr DeskewedSweep kWholeTurn{.beams = 360, .start_rad = -std::numbers::pi};
+constexpr DeskewedSweep kClockwiseFromTheFront{.beams = 360, .start_rad = 0.0, .step_rad = -std::numbers::pi / 180.0};
 
 /// Sweeps of a moving laser, each beam from where the laser is at its own time.
 class MovingLaser {
  public:
-  MovingLaser(SimulatedScene scene, const Velocity2& velocity, double noise_sd_m, const Sweep& sweep = kThreeQuarters)
+  MovingLaser(SimulatedScene scene, const Velocity2& velocity, double noise_sd_m,
+              const DeskewedSweep& sweep = kThreeQuarters)
       : scene_(std::move(scene)), velocity_(velocity), sweep_(sweep), ranges_m_(static_cast<std::size_t>(sweep.beams)) {
     laser_.noise_sd_m = noise_sd_m;
   }
@@ -71,7 +72,7 @@ class MovingLaser {
  private:
   SimulatedScene scene_;
   Velocity2 velocity_;
-  Sweep sweep_;
+  DeskewedSweep sweep_;
   SimulatedLaser laser_;
   Rng rng_{3};
   std::vector<float> ranges_m_;
@@ -94,7 +95,7 @@ TEST(Deskew, MakesWallsAsStraightAsAtRest) {
 
 /// Deskews 40 scans of a moving laser by the odometry's own velocity, which begins at rest, and holds them to scans at
 /// rest.
-void expect_straight_by_odometry(const Velocity2& velocity, const Sweep& sweep) {
+void expect_straight_by_odometry(const Velocity2& velocity, const DeskewedSweep& sweep) {
   MovingLaser moving(cluttered_room(), velocity, 0.01, sweep);
   MovingLaser resting(cluttered_room(), {}, 0.01, sweep);
   ScanFrame scan(ScanParams{});

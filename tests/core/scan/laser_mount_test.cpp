@@ -12,7 +12,7 @@
 namespace odoless {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr double kDegree_rad = std::numbers::pi / 180.0;
 constexpr double kStep_rad = 1.0 / 64.0;  // exact, so that a scan turned round and back is the very same
 constexpr int kBeams = 200;
 
@@ -79,24 +79,24 @@ std::vector<int> used_degrees(const LaserMountParams& params) {
   std::vector<float> ranges_m(360, 2.0F);
   LaserMount mount(params, 360);
   const RawScan out =
-      mount.apply({.start_angle_rad = -std::numbers::pi, .angle_step_rad = kRadPerDeg, .ranges_m = ranges_m});
+      mount.apply({.start_angle_rad = -std::numbers::pi, .angle_step_rad = kDegree_rad, .ranges_m = ranges_m});
   std::vector<int> used;
   for (std::size_t i = 0; i < out.ranges_m.size(); ++i) {
     if (std::isfinite(out.ranges_m[i])) {
       used.push_back(static_cast<int>(
-          std::lround(wrap_angle(out.start_angle_rad + static_cast<double>(i) * out.angle_step_rad) / kRadPerDeg)));
+          std::lround(wrap_angle(out.start_angle_rad + static_cast<double>(i) * out.angle_step_rad) / kDegree_rad)));
     }
   }
   return used;
 }
 
 TEST(LaserMount, IgnoresSectorsOfTheRobotHoweverTheLaserIsTurned) {
-  const std::vector<AngleSector> behind{{170.0 * kRadPerDeg, -170.0 * kRadPerDeg},
-                                        {20.0 * kRadPerDeg, 30.0 * kRadPerDeg}};
+  const std::vector<AngleSector> behind{{170.0 * kDegree_rad, -170.0 * kDegree_rad},
+                                        {20.0 * kDegree_rad, 30.0 * kDegree_rad}};
   for (const double yaw_deg : {0.0, 90.0, -135.0}) {
     for (const bool is_upside_down : {false, true}) {
       const std::vector<int> used =
-          used_degrees({.yaw_rad = yaw_deg * kRadPerDeg, .upside_down = is_upside_down, .ignore = behind});
+          used_degrees({.yaw_rad = yaw_deg * kDegree_rad, .upside_down = is_upside_down, .ignore = behind});
       EXPECT_EQ(used.size(), 360U - 21U - 11U) << yaw_deg << is_upside_down;
       for (const int degree : used) {
         EXPECT_LT(std::abs(degree), 170);
@@ -107,8 +107,8 @@ TEST(LaserMount, IgnoresSectorsOfTheRobotHoweverTheLaserIsTurned) {
 }
 
 TEST(LaserMount, UsesBeamsFromTheLeastAngleToTheMost) {
-  EXPECT_EQ(used_degrees({.angle_min_rad = -45.0 * kRadPerDeg, .angle_max_rad = 60.0 * kRadPerDeg}).size(), 106U);
-  for (const int degree : used_degrees({.angle_min_rad = 90.0 * kRadPerDeg, .angle_max_rad = -90.0 * kRadPerDeg})) {
+  EXPECT_EQ(used_degrees({.angle_min_rad = -45.0 * kDegree_rad, .angle_max_rad = 60.0 * kDegree_rad}).size(), 106U);
+  for (const int degree : used_degrees({.angle_min_rad = 90.0 * kDegree_rad, .angle_max_rad = -90.0 * kDegree_rad})) {
     EXPECT_GE(std::abs(degree), 90) << "over the robot's back";
   }
 }

@@ -17,7 +17,7 @@ namespace {
 
 using Stamps = std::vector<std::int64_t>;
 
-constexpr std::int64_t kPeriod_ns = 197'000'000;
+constexpr std::int64_t kClockPeriod_ns = 197'000'000;
 constexpr std::int64_t kFirst_ns = 1'282'836'370'000'000'000;
 constexpr std::int64_t kYear_ns = 31'557'600'000'000'000;
 constexpr int kScans = 13'631;
@@ -108,7 +108,7 @@ TEST(ScanClock, FollowsScansThatReallyComeUnevenly) {
 }
 
 TEST(ScanClock, SeesThroughStampsThatWaver) {
-  const Stamps true_ns = test::even_times(kScans, kPeriod_ns, kFirst_ns);
+  const Stamps true_ns = test::even_times(kScans, kClockPeriod_ns, kFirst_ns);
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const Timed timed = time_all(test::waver(true_ns, seed));
     EXPECT_TRUE(times_grow(timed.times));
@@ -124,7 +124,7 @@ TEST(ScanClock, SeesThroughStampsThatWaver) {
 }
 
 TEST(ScanClock, SpreadsBurstsEvenly) {
-  const Stamps true_ns = test::even_times(5000, kPeriod_ns, kFirst_ns);
+  const Stamps true_ns = test::even_times(5000, kClockPeriod_ns, kFirst_ns);
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const Timed timed = time_all(test::bunch(true_ns, 3, 10, seed));
     EXPECT_TRUE(times_grow(timed.times));
@@ -139,7 +139,7 @@ TEST(ScanClock, SpreadsBurstsEvenly) {
 // Scans are missing for 0.4 to 30 s, every 300 scans.
 Stamps times_with_gaps(std::vector<std::size_t>& first_after) {
   constexpr std::array<double, 8> kGaps_s{0.4, 1.0, 2.0, 3.0, 4.0, 8.0, 12.0, 30.0};
-  Stamps true_ns = test::even_times(300 * (static_cast<int>(kGaps_s.size()) + 1), kPeriod_ns, kFirst_ns);
+  Stamps true_ns = test::even_times(300 * (static_cast<int>(kGaps_s.size()) + 1), kClockPeriod_ns, kFirst_ns);
   for (std::size_t gap = 0; gap < kGaps_s.size(); ++gap) {
     first_after.push_back(300 * (gap + 1));
     std::for_each(true_ns.begin() + static_cast<std::ptrdiff_t>(first_after.back()), true_ns.end(),
@@ -183,7 +183,7 @@ TEST(ScanClock, KnowsAGapOfWaveringStampsWithinThreeScans) {
 }
 
 TEST(ScanClock, AScanThatIsMissingIsAGapAndAStampThatIsLateIsNot) {
-  Stamps true_ns = test::even_times(200, kPeriod_ns, kFirst_ns);
+  Stamps true_ns = test::even_times(200, kClockPeriod_ns, kFirst_ns);
   Stamps late_ns = true_ns;
   late_ns[100] += 500'000'000;
   const Timed late = time_all(late_ns);
@@ -206,7 +206,7 @@ class ScanClockJump : public ::testing::TestWithParam<Jump> {};
 
 // A clock that was set says nothing of the time that went by: the rhythm goes on, and the first scan is doubtful.
 TEST_P(ScanClockJump, OfTheClockIsNoTime) {
-  const Stamps true_ns = test::even_times(600, kPeriod_ns, kFirst_ns);
+  const Stamps true_ns = test::even_times(600, kClockPeriod_ns, kFirst_ns);
   Stamps stamps_ns = true_ns;
   std::for_each(stamps_ns.begin() + 300, stamps_ns.end(), [](std::int64_t& stamp_ns) { stamp_ns += GetParam().by_ns; });
   const Timed timed = time_all(stamps_ns);
@@ -231,8 +231,8 @@ TEST(ScanClock, ScansThatComeOnTimeTellAClockThatWasSetFromAGap) {
   ScanTime before;
   for (int i = 0; i < 200; ++i) {
     before = time;
-    const std::int64_t arrival_ns = 5'000'000'000 + i * kPeriod_ns;
-    time = clock.next(kFirst_ns + i * kPeriod_ns + (i < 100 ? 0 : 10'000'000'000), arrival_ns);
+    const std::int64_t arrival_ns = 5'000'000'000 + i * kClockPeriod_ns;
+    time = clock.next(kFirst_ns + i * kClockPeriod_ns + (i < 100 ? 0 : 10'000'000'000), arrival_ns);
     if (i > 0) {
       ASSERT_NEAR(to_s(time.time_ns - before.time_ns), 0.197, 0.03) << i;
     }
@@ -242,7 +242,7 @@ TEST(ScanClock, ScansThatComeOnTimeTellAClockThatWasSetFromAGap) {
 }
 
 TEST(ScanClock, CountsWhatItFinds) {
-  const Stamps stamps_ns = test::waver(test::even_times(kScans, kPeriod_ns, kFirst_ns), 1);
+  const Stamps stamps_ns = test::waver(test::even_times(kScans, kClockPeriod_ns, kFirst_ns), 1);
   const test::StampCounts counts = test::count_stamps(stamps_ns);
   const ScanTimeFindings findings = time_all(stamps_ns).findings;
   EXPECT_EQ(findings.scans, kScans);
@@ -292,7 +292,7 @@ TEST(ScanClock, UsesNoHeap) {
   if (!AllocationGuard::kWorks) {
     GTEST_SKIP() << "the sanitizer owns the heap functions";
   }
-  const Stamps stamps_ns = test::waver(test::even_times(2000, kPeriod_ns, kFirst_ns), 1);
+  const Stamps stamps_ns = test::waver(test::even_times(2000, kClockPeriod_ns, kFirst_ns), 1);
   ScanClock clock;
   const AllocationGuard guard;
   for (const std::int64_t stamp_ns : stamps_ns) {
@@ -302,7 +302,7 @@ TEST(ScanClock, UsesNoHeap) {
 }
 
 TEST(StampFaults, WaverAsThoseOfARecordedOffice) {
-  const test::StampCounts counts = test::count_stamps(test::waver(test::even_times(kScans, kPeriod_ns), 1));
+  const test::StampCounts counts = test::count_stamps(test::waver(test::even_times(kScans, kClockPeriod_ns), 1));
   EXPECT_NEAR(counts.out_of_order, 631, 60);
   EXPECT_NEAR(counts.within_10_ms, 3762, 380);
   EXPECT_NEAR(counts.gaps_above_1_s, 420, 60);
