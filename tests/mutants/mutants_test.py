@@ -75,6 +75,21 @@ class TrialTest(unittest.TestCase):
             self.assertRegex(error["caught"], r"^\w+.*\.\w+|too slow|status")
         self.assertEqual(before, [contents(path) for path in files])
 
+    def test_what_is_interrupted_tells_what_it_has_found(self):
+        with tempfile.TemporaryDirectory() as folder:
+            found = os.path.join(folder, "errors.json")
+            with subprocess.Popen([TOOL, "--build", BUILD, "--folder", "drivers", "--only", FILE, "--json", found, "--count", "50"],
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as trial_of_many:
+                first = trial_of_many.stdout.readline()
+                self.assertIn("1/50", first)
+                self.assertIn("/50", trial_of_many.stdout.readline(), "the first is written by now")
+                trial_of_many.terminate()
+                rest = trial_of_many.stdout.read()
+            with open(found, encoding="utf-8") as file:
+                self.assertIn(json.load(file)[0]["error"], first)
+            self.assertIn("stopped before its end", rest)
+            self.assertRegex(rest, r"\d+ of [1-5] errors caught")
+
     def test_a_folder_without_such_a_file_is_refused(self):
         done, errors = trial("--only", "drivers/nothing.cpp")
         self.assertEqual((done.returncode, errors), (66, []))
