@@ -19,7 +19,7 @@ from host_watch import keep_promise
 EX_USAGE, EX_DATAERR, EX_UNAVAILABLE, EX_SOFTWARE, EX_OSERR, EX_CANTCREAT = 64, 65, 69, 70, 71, 73
 EX_NOPERM, EX_CONFIG = 77, 78
 PR_CAPBSET_DROP, CAP_SYS_NICE = 24, 23
-PTRACE_SEIZE, PTRACE_INTERRUPT, WALL = 0x4206, 0x4207, 0x40000000
+PTRACE_DETACH, PTRACE_SEIZE, PTRACE_INTERRUPT, WALL = 17, 0x4206, 0x4207, 0x40000000
 AS, NOFILE, FSIZE, NPROC = resource.RLIMIT_AS, resource.RLIMIT_NOFILE, resource.RLIMIT_FSIZE, resource.RLIMIT_NPROC
 NOBODY = 65534
 
@@ -243,6 +243,20 @@ class FaultsTest(DaemonCase):
                 self.assertTrue(os.path.getsize(self.path("out/latest/trajectory.tum")) > 0)
                 os.remove(self.path("out/latest/map.pgm"))
 
+    def test_time_in_which_a_machine_stands_still_is_not_time_in_which_a_stage_does_not_end(self):
+        self.start_laser()
+        daemon = self.start_daemon()
+        self.wait_until_ok()
+        held = self.hold_thread(daemon.pid, "odo-filter")
+        daemon.send_signal(signal.SIGTERM)
+        time.sleep(1)  # of the 2 s that a stage has
+        daemon.send_signal(signal.SIGSTOP)
+        time.sleep(3)
+        daemon.send_signal(signal.SIGCONT)
+        time.sleep(0.3)
+        self.let_thread_go(held)
+        self.expect_saved(daemon)
+
     def test_a_crash_leaves_a_report_and_the_next_start_says_where(self):
         self.start_laser()
         for number in (signal.SIGSEGV, signal.SIGABRT):
@@ -270,13 +284,21 @@ class FaultsTest(DaemonCase):
         for thread in map(int, os.listdir(f"/proc/{pid}/task")):
             with open(f"/proc/{pid}/task/{thread}/comm", encoding="ascii") as comm:
                 if comm.read().strip() == name:
-                    libc = ctypes.CDLL(None, use_errno=True)
-                    libc.ptrace.argtypes = (ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p)
-                    if libc.ptrace(PTRACE_SEIZE, thread, None, None) != 0:
+                    if self.trace(PTRACE_SEIZE, thread) != 0:
                         self.skipTest("no thread may be traced here")
-                    self.assertEqual(libc.ptrace(PTRACE_INTERRUPT, thread, None, None), 0)
+                    self.assertEqual(self.trace(PTRACE_INTERRUPT, thread), 0)
                     return thread
         self.fail(f"there is no thread {name}")
+
+    def let_thread_go(self, thread):
+        self.assertEqual(os.waitpid(thread, WALL)[0], thread)  # it stands still
+        self.assertEqual(self.trace(PTRACE_DETACH, thread), 0, "its process has ended")
+
+    @staticmethod
+    def trace(request, thread):
+        libc = ctypes.CDLL(None, use_errno=True)
+        libc.ptrace.argtypes = (ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p)
+        return libc.ptrace(request, thread, None, None)
 
     def reap_thread(self, thread):
         """Until its process has ended, which it cannot before who holds it has seen that."""

@@ -86,8 +86,8 @@ class LasersTest(DaemonCase):
             file.writelines([*rest, instead])
         return file.name
 
-    def error_m(self, model, rate_hz):
-        """Of the path as it was published at the time, after a drive (RMS)."""
+    def drive(self, model):
+        """How many scans the daemon took, and how far the path was off as it was published at the time (RMS)."""
         laser = self.start_laser("--model", model, "--start-delay-s", "1", "--truth", self.path("truth.tum"))
         daemon = self.start_daemon("--enforce-realtime")
         self.wait_until_ok()
@@ -98,19 +98,18 @@ class LasersTest(DaemonCase):
         laser.wait()
         summary = self.summary()
         self.assertEqual(summary["heap_calls"], 0)
-        self.assertGreater(summary["scans"], 0.9 * rate_hz * DRIVE_S)
         ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/latest/trajectory_online.tum"), "--json")
-        return json.loads(ate.stdout)["translation_m"]["rmse"]
+        return summary["scans"], json.loads(ate.stdout)["translation_m"]["rmse"]
 
     def expect_maps(self, config, model, rate_hz=10.0):
         self.config = config
         for _ in range(3):
             with HostWatch() as host:
-                error_m = self.error_m(model, rate_hz)
-            print(f"  {model}: {error_m:.3f} m off; the machine withheld {host.withheld_s:.2f} s")
-            if error_m <= ERROR_MAX_M:
+                scans, error_m = self.drive(model)
+            print(f"  {model}: {scans} scans, {error_m:.3f} m off; the machine withheld {host.withheld_s:.2f} s")
+            if error_m <= ERROR_MAX_M and scans > 0.9 * rate_hz * DRIVE_S:
                 return
-            self.assertGreater(host.withheld_s, 1.0, f"{model} is {error_m} m off")
+            self.assertGreater(host.withheld_s, 1.0, f"{model} is {error_m} m off after {scans} scans")
         self.fail("in three attempts the machine was too busy")
 
     def test_probe_finds_every_laser(self):

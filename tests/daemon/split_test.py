@@ -30,6 +30,7 @@ EVERY = 2  # of the scans one is taken: a slow machine must keep up, or records 
 GAP_S = (16.0, 19.0)  # no scans
 CARRIED_S = (26.0, 32.0)  # cut out: at its begin the robot is at once where it was at its end
 END_S = 45.0
+LATE_S = 5.0  # of the log, in which a busy machine's pose graph is done with a correction
 SHORT_END_S = 12.0
 MOTION = struct.Struct(">q qqqd 3d3d9d 25d25d25d 3d2d iii")  # odoless.motion_t up to its flags
 JOLTED = 16
@@ -326,8 +327,20 @@ class SplitTest(unittest.TestCase):
         one, two = self.online("undivided"), self.online("lossless")
         self.assertGreater(len(one), 300)
         self.assertEqual(one.keys(), two.keys())
-        others = sum(math.dist(one[stamp], two[stamp]) > 0.01 for stamp in one)
-        self.assertLess(others, 0.05 * len(one), "only when a correction of the pose graph goes in depends on its thread's time")
+        self.assert_apart_by_late_corrections_alone(one, two)
+
+    def assert_apart_by_late_corrections_alone(self, one, two):
+        """When a correction of the pose graph goes in depends on its thread's time, and what it is does not: the robot's steps are the
+        same but for the few in which one goes in here and then there."""
+        stamps = sorted(one, key=float)
+        off = [(two[stamp][0] - one[stamp][0], two[stamp][1] - one[stamp][1]) for stamp in stamps]
+        others = [i for i in range(1, len(off)) if math.dist(off[i - 1], off[i]) > 0.002]
+        late_s = [float(stamps[end]) - float(stamps[begin]) for begin, end in zip(others, others[1:]) if math.hypot(*off[begin]) > 0.002]
+        print(f"corrections go in at another time in {len(others)} of {len(stamps)} steps, at most {max(late_s, default=0.0):.2f} s later", file=sys.stderr)
+        self.assertLessEqual(len(others), 20, "twice for each of some ten submaps")
+        self.assertLess(math.hypot(*off[0]), 0.002)
+        self.assertLess(math.hypot(*off[-1]), 0.002, "in the end all of them are in")
+        self.assertLess(max(late_s, default=0.0), LATE_S)
 
     def test_two_halves_have_every_pose_of_the_filter_at_the_time(self):
         for name in ("filter_whole", "filter_split"):
