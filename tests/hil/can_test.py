@@ -158,7 +158,7 @@ class ForeignDriveTest(CanTestBase):
         drive, daemon = self.expect_sweeps({})
         self.wait_until(lambda: -1000 < drive.position() < 1000, 30, "the middle of a sweep")
         daemon.send_signal(signal.SIGTERM)
-        daemon.wait(timeout=20)
+        self.end_of(daemon)
         at_the_end = drive.position()
         time.sleep(1)
         self.assertEqual(drive.position(), at_the_end)

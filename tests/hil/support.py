@@ -30,15 +30,21 @@ class HilTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder)
+        self.started = []
 
     def path(self, name):
         return os.path.join(self.folder, name)
 
     def start(self, *command, **options):
         options.setdefault("stdout", subprocess.DEVNULL)
-        process = subprocess.Popen(command, text=True, **options)
-        self.addCleanup(self.end, process)
-        return process
+        self.started.append(subprocess.Popen(command, text=True, **options))
+        self.addCleanup(self.end_all)  # before what it uses goes
+        return self.started[-1]
+
+    def end_all(self):
+        """Of what was started: the last one first."""
+        while self.started:
+            self.end(self.started.pop())
 
     @staticmethod
     def end(process):
@@ -51,6 +57,11 @@ class HilTest(unittest.TestCase):
         waited_s = wait_for(holds, seconds)
         self.assertIsNotNone(waited_s, f"{what} did not happen in {seconds} s")
         return waited_s
+
+    def end_of(self, process, seconds=20):
+        """The status of a process that ends by itself."""
+        self.wait_until(lambda: process.poll() is not None, seconds, f"the end of {os.path.basename(process.args[0])}")
+        return process.returncode
 
 
 class SimulatedGpio:
@@ -153,6 +164,11 @@ class DaemonTest(HilTest):
         return self.start(*program("odolessd", "--config", self.path("robot.toml"), "--stages", "sensor,matcher",
                                    "--enforce-realtime"), stderr=self.log, env={**os.environ, **environment})
 
+    def said(self):
+        """What the daemon has written so far."""
+        with open(self.path("daemon.log"), encoding="utf-8") as log:
+            return log.read()
+
     def status(self):
         """The daemon's answer to `status`; empty while it isn't there."""
         try:
@@ -176,8 +192,7 @@ class DaemonTest(HilTest):
         try:
             return self.wait_until(lambda: self.scans() >= before + more, seconds, f"{more} scans more")
         except AssertionError:
-            with open(self.path("daemon.log"), encoding="utf-8") as log:
-                raise AssertionError(f"no scans:\n{self.status()}\n{log.read()}") from None
+            raise AssertionError(f"no scans:\n{self.status()}\n{self.said()}") from None
 
     @staticmethod
     def ranges(path):

@@ -97,7 +97,7 @@ class UsbTest(DaemonTest):
             daemon = self.start_daemon(f'device = "{device}"', f'[recorder]\npath = "{self.path(name)}"\n')
             self.wait_for_scans(12, 30)
             daemon.terminate()
-            self.assertEqual(daemon.wait(timeout=20), 0)
+            self.assertEqual(self.end_of(daemon), 0)
             self.pull_out(laser)
             heard.append(self.ranges(*glob.glob(self.path(f"{name}.*.lcm"))))
         self.assertGreater(len(self.common_scans(*heard)), 8)
@@ -109,7 +109,7 @@ class UsbTest(DaemonTest):
         self.wait_for_scans(5, 30)
         self.assertFalse(os.path.exists(TTY))
         daemon.terminate()
-        self.assertEqual(daemon.wait(timeout=20), 0)
+        self.assertEqual(self.end_of(daemon), 0)
         self.wait_until(lambda: os.path.exists(TTY), 5, TTY)
 
     def test_probe_finds_the_laser_and_prints_a_configuration_that_works(self):
