@@ -1,18 +1,15 @@
 """`odoless emulate robot`: laser, CAN servo and GPIO lines of one robot on one clock; and its recorded bytes again."""
 
 import glob
-import itertools
 import os
 import signal
-import statistics
 import struct
 import subprocess
 import time
 import unittest
 
 from support import DaemonTest, program, run
-from host_watch import not_withheld  # both found by support
-from lcm_log import messages
+from lcm_log import messages  # found by support
 
 WORLD = "room 0 0  6 4\nspeed 0.1\ngo 2 2  2.5 2\n"
 WIRED = """
@@ -24,8 +21,8 @@ reply_timeout_ms = 500.0
 stall_timeout_ms = 1000.0
 heartbeat_period_ms = 500.0
 """
-# Whichever comes first when the daemon is up, which takes long on a busy host.
-STOPS = [word for begin_s in range(14, 200, 20) for word in ("--gpio-fault", f"stop@{begin_s}:3")]
+# Whichever comes first when the daemon is up.
+STOPS = [word for begin_s in range(5, 100, 10) for word in ("--gpio-fault", f"stop@{begin_s}:3")]
 GPIO = """
 [gpio]
 stop_line = "bot-stop"
@@ -61,18 +58,14 @@ class RobotTest(DaemonTest):
         self.wait_for_scans(5, 60)
         self.wait_until(self.obeys, 60, "obedience")
 
-    def wait_for_pulses(self):
-        self.wait_until(lambda: "sync pulse is missing" not in (self.status() or "sync pulse is missing"), 10, "pulses")
-
     def obeys(self):
         return "servo does not obey" not in (self.status() or "servo does not obey")
 
     def test_a_whole_robot_moves_stops_pulses_and_loses_its_power(self):
-        robot = self.start_driving("--gpio", "bot", *STOPS, "--fault", "silence@25:3",
-                                   "--fault", "silence@65:3", "--fault", "silence@105:3")
+        robot = self.start_driving("--gpio", "bot", *STOPS, "--fault", "silence@13:3", "--fault", "silence@33:3")
         daemon = self.start_recording("run", GPIO)
         self.wait_until_all_works()
-        not_withheld(self.wait_for_pulses)
+        self.wait_until(lambda: "sync pulse is missing" not in (self.status() or "sync pulse is missing"), 10, "pulses")
         self.wait_for_a_stop()
         self.wait_until(lambda: "no scans" in self.status(), 60, "the silence")
         scans = self.scans()
@@ -87,33 +80,27 @@ class RobotTest(DaemonTest):
 
     def wait_for_a_stop(self):
         self.wait_until(lambda: not self.is_stopped(), 15, "the end of a stop that has begun before")
-        # The wire's lasts 3 s; on a busy host the GPIO thread, when it is not heard of for 0.1 s, makes one of its own.
-        self.wait_until(lambda: self.is_stopped() and not time.sleep(1) and self.is_stopped(), 60, "the stop")
+        self.wait_until(self.is_stopped, 60, "the stop")
         self.wait_until(lambda: not self.is_stopped(), 15, "the release")
         time.sleep(1)
 
     def test_recorded_bytes_of_laser_and_bus_and_the_wires_come_again(self):
-        numbers = itertools.count()  # a slow machine's simulated lines lose pulses
-        not_withheld(lambda: self.record_and_play_again(next(numbers)))
-
-    def record_and_play_again(self, number):
-        self.end_all()  # of an attempt before
         robot = self.start_driving("--gpio", "bot", *STOPS)
-        daemon = self.start_recording(f"first{number}", 'at_start = "sweep"\n' + GPIO)
+        daemon = self.start_recording("first", 'at_start = "sweep"\n' + GPIO)
         self.wait_until_all_works()
         self.wait_for_a_stop()
         self.finish(daemon, robot)
-        (log,) = glob.glob(self.path(f"first{number}.*.lcm"))
+        (log,) = glob.glob(self.path("first.*.lcm"))
         dump = b"".join(data[20:] for channel, data in messages(log) if channel.startswith("ODOLESS_TILT_RAW"))
         with open(self.path("bus.log"), "wb") as file:
             file.write(dump)
         self.assertEqual(run("canplayer", "-I", self.path("bus.log"), "-t", "vcan0=vcan0").returncode, 0,
                          "the recorded frames are a log of candump")
         robot = self.start_robot("--from-raw", log, "--gpio", "bot", "--stop-at-end", stdout=subprocess.PIPE)
-        daemon = self.start_recording(f"second{number}", 'at_start = "sweep"\n' + GPIO)
+        daemon = self.start_recording("second", 'at_start = "sweep"\n' + GPIO)
         self.end_of(robot, 120)
         self.finish(daemon, robot)
-        (again,) = glob.glob(self.path(f"second{number}.*.lcm"))
+        (again,) = glob.glob(self.path("second.*.lcm"))
         first, second = (self.ranges(path) for path in (log, again))
         common = self.common_scans(first, second)
         self.assertGreater(len(common), 20)
@@ -126,11 +113,10 @@ class RobotTest(DaemonTest):
         self.check_wires(log, again, common)
 
     def check_wires(self, log, log_again, common):
-        """Stop and pulses lie where they were among these scans; on a busy host a pulse may be left out, or a press late."""
+        """Stop and pulses lie where they were among these scans."""
         (scans_s, wires), (scans_again_s, wires_again) = self.stamps(log), self.stamps(log_again)
         begin_s = scans_s[common[0]]
-        # By all scans: on a busy host any one of them may bear the stamp of a pulse that was late.
-        again_s = begin_s + statistics.median(scans_again_s[scan] - scans_s[scan] for scan in common)
+        again_s = scans_again_s[common[0]]
         presses, presses_again = ([(stamp_s - start_s, text) for stamp_s, text in lines
                                    if text.startswith(b"stop") and stamp_s > start_s]
                                   for lines, start_s in ((wires, begin_s), (wires_again, again_s)))
@@ -142,12 +128,10 @@ class RobotTest(DaemonTest):
                                 for lines, start_s in ((wires, begin_s), (wires_again, again_s)))
         off_s = sorted(min(abs(again - pulse) for pulse in pulses) for again in pulses_again)
         print(f"  wires: stop pressed and released {late_s[0] * 1e3:.1f} and {late_s[1] * 1e3:.1f} ms off its place among "
-              f"the scans; {len(pulses)} pulses recorded, {len(pulses_again)} again, {off_s[len(off_s) // 2] * 1e3:.1f} ms "
-              f"off (median)")
-        self.assertLess(min(map(abs, late_s)), 0.1)
-        self.assertLess(max(map(abs, late_s)), 1.0)
-        self.assertGreaterEqual(len(pulses_again), 5)
-        self.assertLess(off_s[len(off_s) // 2], 0.01)
+              f"the scans; {len(pulses)} pulses recorded, {len(pulses_again)} again, at most {max(off_s) * 1e3:.1f} ms off")
+        self.assertLess(max(map(abs, late_s)), 0.01)
+        self.assertGreater(len(pulses_again), 0.9 * len(pulses))
+        self.assertLess(max(off_s), 0.01)
 
     def finish(self, daemon, robot):
         daemon.send_signal(signal.SIGTERM)

@@ -52,17 +52,6 @@ def positions(frames):
     return [(stamp, struct.unpack("<i", data[2:6])[0]) for stamp, number, data in frames if number == STATUS]
 
 
-def slowest_answer_s(frames):
-    """From a SYNC to the servo's status: a true drive takes a millisecond, the emulated one as long as the host lets it."""
-    slowest_s, asked_s = 0.0, None
-    for stamp, number, _ in frames:
-        if number == SYNC and asked_s is None:
-            asked_s = stamp
-        elif number == STATUS and asked_s is not None:
-            slowest_s, asked_s = max(slowest_s, stamp - asked_s), None
-    return slowest_s if asked_s is None else max(slowest_s, frames[-1][0] - asked_s)
-
-
 def is_quick_stop(number, data):
     return number == COMMAND and struct.unpack("<H", data[:2])[0] & QUICK_STOP_BITS == QUICK_STOP
 
@@ -70,8 +59,6 @@ def is_quick_stop(number, data):
 @unittest.skipUnless(os.path.exists("/sys/class/net/vcan0"), "no interface vcan0")
 class StopTest(DaemonTest):
     LIMIT_S = 0.2
-    TRIES = 8
-    ANSWER_MAX_S = 0.03
 
     def setUp(self):
         super().setUp()
@@ -92,26 +79,19 @@ class StopTest(DaemonTest):
         return "emergency stop" not in (self.status() or "emergency stop")
 
     def wait_until_it_moves(self):
-        """In the middle of a sweep, so that it would go on for long.
-
-        A busy host hands a bus several SYNCs at a time, so that what counts is how far it came in the last of them, not in each.
-        """
+        """In the middle of a sweep, so that it would go on for long."""
         last = []
 
         def is_in_the_middle():
             last.extend(positions(self.bus.read()))
             del last[:-5]
             steps = [after[1] - before[1] for before, after in zip(last, last[1:])]
-            one_way = all(step >= 0 for step in steps) or all(step <= 0 for step in steps)
-            return len(steps) == 4 and one_way and abs(sum(steps)) > 80 and abs(last[-1][1]) < 2000
+            return len(steps) == 4 and min(map(abs, steps)) > 20 and abs(last[-1][1]) < 2000
 
-        try:
-            self.wait_until(is_in_the_middle, 20, "a sweep")
-        except AssertionError as failure:
-            raise AssertionError(f"{failure}: stamps and positions {last}\n{self.status()}\n{self.said()}") from None
+        self.wait_until(is_in_the_middle, 20, "a sweep")
 
     def stops(self, cause, undo):
-        """Seconds from `cause` to the command and to the last motion that the bus saw; None: the servo itself was held up."""
+        """Seconds from `cause` to the command and to the last motion that the bus saw."""
         self.wait_until_it_moves()
         begin = time.time()
         cause()
@@ -123,28 +103,17 @@ class StopTest(DaemonTest):
         self.assertIsNotNone(commanded, "no quick stop on the bus")
         self.assertLess(sum(number == SYNC for _, number, _ in after), 1.5 * 0.6 / PERIOD_S, "the bus is flooded")
         seen = positions(after)
-        self.slowest_s = slowest_answer_s(after)
-        if self.slowest_s > self.ANSWER_MAX_S or len(seen) < 20:
-            return None
+        self.assertGreater(len(seen), 20)
         stood = next(stamp for stamp, position in seen if position == seen[-1][1])
         self.assertTrue(all(position == seen[-1][1] for stamp, position in seen if stamp >= stood), "it moved again")
         self.assertGreater(seen[-1][0] - begin, 0.5, "the servo fell silent")
         return commanded - begin, stood - begin
 
     def check(self, name, cause, undo):
-        measured = 0
-        for _ in range(self.TRIES):
-            seen = self.stops(cause, undo)
-            if seen is None:
-                print(f"  {name}: not measured, for the emulated servo was held up for {self.slowest_s * 1e3:.0f} ms")
-                continue
-            measured += 1
-            print(f"  {name}: quick stop on the bus after {seen[0] * 1e3:.1f} ms, zero velocity after "
-                  f"{seen[1] * 1e3:.1f} ms")
-            self.assertLess(seen[1], self.LIMIT_S)
-            if measured == 2:
-                return
-        self.fail(f"in {self.TRIES} tries the emulated servo was held up")
+        for _ in range(2):
+            commanded_s, stood_s = self.stops(cause, undo)
+            print(f"  {name}: quick stop on the bus after {commanded_s * 1e3:.1f} ms, zero velocity after {stood_s * 1e3:.1f} ms")
+            self.assertLess(stood_s, self.LIMIT_S)
 
     def test_an_edge_and_a_lost_line_stop_the_moving_servo_within_200_ms(self):
         def lose():

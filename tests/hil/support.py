@@ -200,9 +200,9 @@ class DaemonTest(HilTest):
         return [data[16:] for channel, data in messages(path) if channel == "ODOLESS_SCAN"]
 
     def common_scans(self, first, second):
-        """Those of both: to the bit; a busy host may leave out a scan, in either run, but never change one."""
+        """Those of both, to the bit: one may have begun or ended sooner."""
         common = [ranges for ranges in second if ranges in first]
-        self.assertGreater(len(common), 0.7 * min(len(first), len(second)))
+        self.assertGreater(len(common), 0.9 * min(len(first), len(second)))
         places = [first.index(ranges) for ranges in common]
         self.assertEqual(places, sorted(places), "in order")
         return common

@@ -53,15 +53,3 @@ def keep_promise(test, bound_s, attempt):
         test.assertGreater(host.withheld_s, took_s - bound_s, f"{took_s:.3f} s instead of {bound_s:.3f} s")
         print(f"  not measured: {took_s:.3f} s, of which the machine withheld {host.withheld_s:.3f} s")
     test.fail(f"in {ATTEMPTS} attempts the machine was too busy to measure {bound_s:.3f} s")
-
-
-def not_withheld(attempt, at_most_s=1.0):
-    """What `attempt` returns; where it fails it is made again, if the machine has withheld its processors for longer than that."""
-    for left in reversed(range(ATTEMPTS)):
-        with HostWatch() as host:
-            try:
-                return attempt()
-            except AssertionError as failure:
-                if left == 0 or host.withheld_s <= at_most_s:
-                    raise
-                print(f"  once more: {failure}; the machine withheld {host.withheld_s:.3f} s")
