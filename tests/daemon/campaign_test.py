@@ -6,7 +6,6 @@ The times of the faults come from a random seed; tools/campaign has many more ru
 """
 
 import bisect
-import math
 import random
 import signal
 import threading
@@ -14,17 +13,11 @@ import time
 import unittest
 
 from support import DaemonCase, poses
+from truth import Truth, relative
 
 WRONG_M, WRONG_DEG, SILENT_S = 0.5, 5.0, 1.0
 OLD_S = 0.5  # an older pose says nothing of its own time
 PERIOD_S = 0.1
-
-
-def relative(a, b):
-    """a_T_b of two poses in one frame."""
-    c, s = math.cos(a[2]), math.sin(a[2])
-    x_m, y_m = b[0] - a[0], b[1] - a[1]
-    return c * x_m + s * y_m, -s * x_m + c * y_m, math.remainder(b[2] - a[2], 2.0 * math.pi)
 
 
 class Says:
@@ -51,18 +44,6 @@ class Says:
         return self.said
 
 
-class Truth:
-    def __init__(self, path):
-        self.poses = poses(path)
-        self.stamps_us = sorted(self.poses)
-
-    def at(self, stamp_us):
-        after = min(bisect.bisect_left(self.stamps_us, stamp_us), len(self.stamps_us) - 1)
-        before = max(0, after - 1)
-        nearest = min((self.stamps_us[before], self.stamps_us[after]), key=lambda us: abs(us - stamp_us))
-        return self.poses[nearest]
-
-
 class CampaignTest(DaemonCase):
     LASTS_S = 12.0
 
@@ -70,7 +51,6 @@ class CampaignTest(DaemonCase):
         """How long it said OK at a stretch while its last pose was wrong."""
         truth, online = Truth(self.path("truth.tum")), poses(self.path("out/latest/trajectory_online.tum"))
         stamps_us = sorted(online)
-        start = truth.at(stamps_us[0])
         longest_s, since_s, right = 0.0, None, 0
         for time_s, state in said:
             last = bisect.bisect(stamps_us, round(time_s * 1e6)) - 1
@@ -78,9 +58,9 @@ class CampaignTest(DaemonCase):
                 continue
             stamp_us = stamps_us[last]
             is_old = time_s - stamp_us * 1e-6 > OLD_S
-            true = relative(start, truth.at(round(time_s * 1e6) if is_old else stamp_us))
-            x_m, y_m, yaw_rad = relative(true, relative(online[stamps_us[0]], online[stamp_us]))
-            wrong = math.hypot(x_m, y_m) > WRONG_M or abs(math.degrees(yaw_rad)) > WRONG_DEG
+            off_m, off_deg = truth.off(stamps_us[0], round(time_s * 1e6) if is_old else stamp_us,
+                                       relative(online[stamps_us[0]], online[stamp_us]))
+            wrong = off_m > WRONG_M or off_deg > WRONG_DEG
             right += not wrong
             since_s = (since_s or time_s) if wrong and state == "OK" else None
             longest_s = max(longest_s, time_s - since_s) if since_s else longest_s

@@ -78,14 +78,6 @@ class LasersTest(DaemonCase):
             return super().start_laser(*more)
         return self.start("odoless", "emulate", "lrf", "--from", self.laser_world, "--tcp", str(self.port), *more)
 
-    def other_way(self, left_out, instead):
-        """rooms.world with other statements instead of those that begin so."""
-        with open(WORLD, encoding="utf-8") as file:
-            rest = [line for line in file if not line.startswith(left_out)]
-        with open(self.path("other_way.world"), "w", encoding="utf-8") as file:
-            file.writelines([*rest, instead])
-        return file.name
-
     def drive(self, model):
         """How many scans the daemon took, and how far the path was off as it was published at the time (RMS)."""
         laser = self.start_laser("--model", model, "--start-delay-s", "1", "--truth", self.path("truth.tum"))

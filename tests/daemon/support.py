@@ -122,6 +122,14 @@ class DaemonCase(unittest.TestCase):
         self.addCleanup(self.forget, "laser")  # before it is ended
         return laser
 
+    def other_way(self, left_out, instead):
+        """rooms.world with other statements instead of those that begin so."""
+        with open(WORLD, encoding="utf-8") as file:
+            rest = [line for line in file if not line.startswith(left_out)]
+        with open(self.path("other_way.world"), "w", encoding="utf-8") as file:
+            file.writelines([*rest, instead])
+        return file.name
+
     def forget(self, name):
         """Removes a device's name, as udev does. One that is left leads to whoever is given the same terminal next, which may be the
         laser of another test on this machine: a daemon that waits for its own would open and lock that one."""

@@ -4,7 +4,7 @@ import contextlib
 import json
 import sqlite3
 
-from support import DaemonCase, WORLD, run
+from support import DaemonCase, run
 
 
 def content(path):
@@ -20,7 +20,7 @@ class WorldCase(DaemonCase):
 
     def log(self):
         log = self.path("rooms.log")
-        self.assertEqual(run("odoless", "sim", WORLD, "--out", log).returncode, 0)
+        self.assertEqual(run("odoless", "sim", self.laser_world, "--out", log).returncode, 0)
         return log
 
     def ask(self, query):
