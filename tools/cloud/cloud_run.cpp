@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/stamped_history.hpp"
 #include "core/cloud/pose_track.hpp"
@@ -152,10 +153,10 @@ ClockEstimate align_clocks(const TiltLog& log, const CloudSetup& setup, const Re
 
 CloudRun make_cloud(const TiltLog& log, const CloudSetup& setup, const ReplayProgress& progress) {
   BeamTilts tilts(log, setup.servo, setup.mapping.angle_gap_max_s);
-  const ScanLog level = level_log(log, setup, tilts);
+  ScanLog level = level_log(log, setup, tilts);
   CloudRun run = empty_run(setup);
-  run.slam = replay(level, setup.robot, {.every = 1, .seed = setup.seed}, progress);
   run.level_scans = level_scans(level);
+  run.slam = replay(std::move(level), setup.robot, {.every = 1, .seed = setup.seed}, progress);
   const Track track = track_of(run.slam, setup.mapping);
   const std::int64_t start_ns = thread_cpu_ns();
   add_scans(log, track, setup, 1, run);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iterator>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "config/config.hpp"
@@ -218,7 +219,7 @@ void run_replay(const LogJob& job) {
   }
   const ResourceMeter meter;
   Outcome outcome;
-  const ScanLog log = read_log(job, outcome.corrected);
+  ScanLog log = read_log(job, outcome.corrected);
   ResultFolder folder(job.out, job.force);
   ReplayOptions options = job.options;
   keep_world(job, params, options);
@@ -228,7 +229,7 @@ void run_replay(const LogJob& job) {
   ReplayResult result;
   {
     Progress bar(scans, InPipe::kLines);
-    result = replay(log, params, options, show_on(bar),
+    result = replay(std::move(log), params, options, show_on(bar),
                     both(page ? page->watcher() : ReplayWatcher(), mcap ? mcap->watcher() : ReplayWatcher()));
   }
   if (mcap) {

@@ -1,10 +1,13 @@
 #include "tools/replay/replay.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/check.hpp"
 #include "core/scan/laser_mount.hpp"
@@ -165,7 +168,7 @@ void finish(Mapper& mapper, const ReplayOptions& options, ReplayResult& result) 
 
 }  // namespace
 
-ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
+ReplayResult replay(ScanLog log, const RobotParams& params, const ReplayOptions& options,
                     const ReplayProgress& progress, const ReplayWatcher& watcher) {
   const std::vector<int> used = used_scans(log, options.every);
   Mapper mapper(params, options.seed);
@@ -174,7 +177,7 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
     resume(mapper, options, params.graph);
   }
   for (std::size_t i = 0; i < used.size(); ++i) {
-    const LogScan& scan = log.scans[static_cast<std::size_t>(used[i])];
+    LogScan& scan = log.scans[static_cast<std::size_t>(used[i])];
     const RawScan raw = scan.raw();
     const ChainStep step = mapper.process(raw, scan.is_level);
     if (step.verdict == ScanVerdict::kMalformed) {
@@ -189,7 +192,9 @@ ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayO
         watcher(step, raw, mapper.chain());
       }
     }
+    scan.ranges_m = std::vector<float>();
     if ((i + 1) * 10 / used.size() > i * 10 / used.size()) {
+      ::malloc_trim(0);  // so that what was given back is the system's again
       recorder.result().rss_bytes_by_tenth.push_back(ResourceMeter::rss_bytes());
     }
     progress(static_cast<std::int64_t>(i) + 1, static_cast<std::int64_t>(used.size()), step.motion.fitness);

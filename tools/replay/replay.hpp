@@ -67,8 +67,9 @@ struct ReplayResult {
 };
 
 /// Runs a log through the stages of the daemon on one thread. The same log, parameters and options give the same
-/// result, but for times and memory.
-[[nodiscard]] ReplayResult replay(const ScanLog& log, const RobotParams& params, const ReplayOptions& options,
+/// result, but for times and memory. The memory of each scan's ranges is given back when it has been used: a long log
+/// and the map of it are never whole in memory at once.
+[[nodiscard]] ReplayResult replay(ScanLog log, const RobotParams& params, const ReplayOptions& options,
                                   const ReplayProgress& progress, const ReplayWatcher& watcher = {});
 
 /// Matches each scan used with the one before: no filter, no local map, no expectation.
