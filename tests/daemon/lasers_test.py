@@ -12,7 +12,7 @@ import subprocess
 import sys
 import time
 
-from support import SOURCES, WORLD, DaemonCase, main, poses, run
+from support import SOURCES, WORLD, DaemonCase, main, run
 from host_watch import HostWatch  # found by support
 
 # Between shelves of different depths: for a laser that sees 3 m, in 70 deg.
@@ -47,7 +47,6 @@ PROBED = {
 }
 NETWORKED = ("sopas", "csv")
 DRIVE_S = 25
-PERIOD_MAX_US = 150_000
 ERROR_MAX_M = 0.05
 
 
@@ -80,7 +79,7 @@ class LasersTest(DaemonCase):
         return self.start("odoless", "emulate", "lrf", "--from", self.laser_world, "--tcp", str(self.port), *more)
 
     def drive(self, model):
-        """How many scans the daemon took, how many did not reach it, and how far the path was off as it was published (RMS)."""
+        """How many scans the daemon took, and how far the path was off as it was published at the time (RMS)."""
         laser = self.start_laser("--model", model, "--start-delay-s", "1", "--truth", self.path("truth.tum"))
         daemon = self.start_daemon("--enforce-realtime")
         self.wait_until_ok()
@@ -92,19 +91,17 @@ class LasersTest(DaemonCase):
         summary = self.summary()
         self.assertEqual(summary["heap_calls"], 0)
         ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/latest/trajectory_online.tum"), "--json")
-        truth, known = (sorted(poses(self.path(name))) for name in ("truth.tum", "out/latest/trajectory_online.tum"))
-        sent = sum(known[0] - PERIOD_MAX_US <= stamp_us <= known[-1] for stamp_us in truth)
-        return summary["scans"], max(0, sent - 1 - len(known)), json.loads(ate.stdout)["translation_m"]["rmse"]
+        return summary["scans"], json.loads(ate.stdout)["translation_m"]["rmse"]
 
     def expect_maps(self, config, model, rate_hz=10.0):
         self.config = config
-        for _ in range(3):  # a busy machine's terminals lose bytes
+        for _ in range(3):
             with HostWatch() as host:
-                scans, lost, error_m = self.drive(model)
-            print(f"  {model}: {scans} scans, {lost} lost, {error_m:.3f} m off; the machine withheld {host.withheld_s:.2f} s")
+                scans, error_m = self.drive(model)
+            print(f"  {model}: {scans} scans, {error_m:.3f} m off; the machine withheld {host.withheld_s:.2f} s")
             if error_m <= ERROR_MAX_M and scans > 0.9 * rate_hz * DRIVE_S:
                 return
-            self.assertTrue(lost > 0 or host.withheld_s > 1.0, f"{model} is {error_m} m off after {scans} scans")
+            self.assertGreater(host.withheld_s, 1.0, f"{model} is {error_m} m off after {scans} scans")
         self.fail("in three attempts the machine was too busy")
 
     def test_probe_finds_every_laser(self):

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -12,7 +13,7 @@
 namespace odoless {
 namespace {
 
-constexpr std::size_t kWaitingMax = 4;  ///< scans that wait for a client that doesn't read
+constexpr std::ptrdiff_t kWaitingMax = 4;  ///< scans that wait for a client that doesn't read
 
 std::int64_t epoch_offset_ns() {
   const auto realtime = std::chrono::system_clock::now().time_since_epoch();
@@ -58,9 +59,12 @@ pollfd LoopedLrf::waits_for() {
   return {.fd = has_client_ ? line_.descriptor() : line_.idle_descriptor(), .events = events, .revents = 0};
 }
 
+// Some lasers send a scan in hundreds of pieces, and all that a machine has kept from running measured meanwhile is due
+// at once.
 void LoopedLrf::queue(SentBytes sent) {
   const bool is_scan = sent.scan.has_value();
-  if (has_client_ && (!is_scan || waiting_.size() < kWaitingMax)) {
+  const auto completes_scan = [](const SentBytes& piece) { return piece.scan.has_value(); };
+  if (has_client_ && (!is_scan || std::ranges::count_if(waiting_, completes_scan) < kWaitingMax)) {
     waiting_.push_back(std::move(sent));
   } else {
     done_.dropped += is_scan ? 1 : 0;
