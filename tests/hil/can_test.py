@@ -11,7 +11,7 @@ try:
     import can
 except ImportError:
     can = None
-from support import DaemonTest, program, run
+from support import DaemonTest, emulator, run
 
 if can:
     from foreign_drive import ForeignDrive
@@ -26,7 +26,7 @@ class CanTestBase(DaemonTest):
         run("ip", "link", "set", "vcan0", "up")
 
     def start_servo(self, *more):
-        return self.start(*program("odoless", "emulate", "servo", "--cia402", "--can", "vcan0", *more))
+        return self.start(*emulator("servo", "--cia402", "--can", "vcan0", *more))
 
     def start_tilting(self, more=""):
         return self.start_daemon(LASER, f'[tilt]\ndriver = "cia402"\ndevice = "vcan0"\nsample_period_ms = 20.0\n{more}')

@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from support import DaemonTest, program, run
+from support import DaemonTest, emulator, run
 from lcm_log import messages  # found by support
 
 WORLD = "room 0 0  6 4\nspeed 0.1\ngo 2 2  2.5 2\n"
@@ -40,8 +40,7 @@ class RobotTest(DaemonTest):
         run("ip", "link", "set", "vcan0", "up")
 
     def start_robot(self, *more, **options):
-        robot = self.start(*program("odoless", "emulate", "robot", *more, "--pty", self.path("laser"),
-                                    "--servo-can", "vcan0"), **options)
+        robot = self.start(*emulator("robot", *more, "--pty", self.path("laser"), "--servo-can", "vcan0"), **options)
         self.wait_until(lambda: os.path.lexists(self.path("laser")), 10, "the robot")
         return robot
 

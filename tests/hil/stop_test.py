@@ -6,7 +6,7 @@ import struct
 import time
 import unittest
 
-from support import PROGRAMS, DaemonTest, SimulatedGpio, program, run
+from support import PROGRAMS, DaemonTest, SimulatedGpio, emulator, run
 
 SO_TIMESTAMPNS = 35  # of asm-generic/socket.h; Python has no name for it
 SYNC, COMMAND, STATUS = 0x080, 0x201, 0x181  # and PDOs of node 1
@@ -68,7 +68,7 @@ class StopTest(DaemonTest):
         self.bus = Bus()
         self.addCleanup(self.bus.socket.close)
         self.lost = self.path("lost")
-        servo = program("odoless", "emulate", "servo", "--cia402", "--can", "vcan0")
+        servo = emulator("servo", "--cia402", "--can", "vcan0")
         self.start(*servo)
         self.start_daemon('device = "/nonexistent/laser"', SWEEPING,
                           LD_PRELOAD=os.path.join(PROGRAMS, "liblost_gpio.so"), ODOLESS_LOST_GPIO=self.lost)
