@@ -54,10 +54,7 @@ class LrfSink {
 struct LrfCounters {
   std::uint64_t bytes = 0;
   std::uint64_t scans = 0;          ///< given to the sink
-  std::uint64_t rejected = 0;       ///< frames refused, for whatever reason
-  std::uint64_t wrong_sums = 0;     ///< of these: a check sum didn't match
-  std::uint64_t wrong_counts = 0;   ///< of these: more or fewer beams than asked for, or lines missing
-  std::uint64_t implausible = 0;    ///< of these: the device's stamp cannot be
+  std::uint64_t rejected = 0;       ///< frames refused, each with its reason in an event
   std::uint64_t resyncs = 0;        ///< times that bytes had to be skipped
   std::uint64_t device_errors = 0;  ///< error statuses
   std::uint64_t restarts = 0;       ///< bring-ups after the first

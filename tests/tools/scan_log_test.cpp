@@ -125,6 +125,18 @@ TEST(ScanLog, ReadsCsvWithAndWithoutATrailingField) {
   EXPECT_EQ(log.scans[1].ranges_m[1], log.scans[1].no_return_m);
 }
 
+TEST(ScanLog, HasTheTimesOfBeamsWhereCsvTellsThem) {
+  const ScanLog log = read_text(
+      "1.0,-2.0,0.5,9.766e-05,0.1,0.02,5.6,2,3.0,5.6\n"
+      "1.1,-2.0,0.5,0,0.1,0.02,5.6,2,3.0,5.6\n"
+      "1.2,-2.0,0.5,-1,0.1,0.02,5.6,2,3.0,5.6\n");
+  ASSERT_EQ(log.scans.size(), 3U);
+  EXPECT_EQ(log.scans[0].raw().beam_period_ns, 97'660);
+  for (std::size_t i = 1; i < log.scans.size(); ++i) {
+    EXPECT_EQ(log.scans[i].beam_period_ns, 0) << "unknown, in scan " << i;
+  }
+}
+
 TEST(ScanLog, CountsScansWhereStampsTellNothing) {
   for (const char* const tail : {"0 0 0 0 0 0", "0 0 0 0 0 0 0 host 0", "0 0 0 0 0 0 1.01893e+09 host 1"}) {
     const ScanLog log = read_text(flaser(3, tail) + flaser(3, tail) + flaser(3, tail));

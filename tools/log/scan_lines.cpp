@@ -86,7 +86,9 @@ LineScan parse_csv(const Fields& fields) {
   if (!(line.no_return_m > 0.0F)) {
     fields.fail("rmax, field 7, is not above 0", "the laser's largest range in metres");
   }
-  return make(fields, line);
+  LineScan result = make(fields, line);
+  result.scan.beam_period_ns = to_beam_period_ns(fields.number(3, "time_inc"));
+  return result;
 }
 
 bool skip_any(std::string_view) { return true; }

@@ -64,7 +64,8 @@ struct LogTopic {
 /// - CARMEN `FLASER` and `ROBOTLASER1`: of the two, the kind that comes first counts, since some loggers write each
 ///   scan as both. Other messages are skipped. Stamps are the ipc_timestamp.
 /// - DP-SLAM `Laser n ranges...`: -90 to +90 deg, no stamps, 8.0 m and more is no return.
-/// - CSV `t,angle_min,angle_inc,time_inc,scan_time,rmin,rmax,n,ranges...`, rmax and more is no return.
+/// - CSV `t,angle_min,angle_inc,time_inc,scan_time,rmin,rmax,n,ranges...`, rmax and more is no return; time_inc is the
+///   time from beam to beam, t that of the first.
 /// - Logs of messages (LCM, ROS, MCAP, MRPT), as formats/README.md has them. Stamps are the messages' own.
 ///
 /// Each scan has at least one range and a finite geometry with a step other than 0. Stamps that are missing, all equal

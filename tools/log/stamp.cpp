@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -86,6 +87,10 @@ std::optional<std::int64_t> parse_stamp_ns(std::string_view text, int digits) {
   }
   decimal.exponent += digits;
   return to_integer(std::move(decimal));
+}
+
+std::int64_t to_beam_period_ns(double time_increment_s) {
+  return time_increment_s > 0.0 && time_increment_s < 1.0 ? std::llround(time_increment_s * 1e9) : 0;
 }
 
 bool stamps_are_usable(std::span<const std::int64_t> stamps_ns) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "tools/log/binary_cursor.hpp"
+#include "tools/log/stamp.hpp"
 
 namespace odoless {
 namespace {
@@ -27,13 +28,6 @@ constexpr std::array<Representation, 4> kRepresentations{{
     {0x0007, std::endian::little},
 }};
 
-std::int64_t beam_period_ns(float time_increment_s) {
-  constexpr float kMaxS = 1.0F;
-  return time_increment_s > 0.0F && time_increment_s < kMaxS
-             ? std::llround(static_cast<double>(time_increment_s) * static_cast<double>(kNsPerS))
-             : 0;
-}
-
 /// The fields from the header's stamp to the intensities.
 LogScan read_scan(BinaryCursor& cursor) {
   LogScan scan;
@@ -44,7 +38,7 @@ LogScan read_scan(BinaryCursor& cursor) {
   scan.start_angle_rad = cursor.number<float>();
   cursor.number<float>();  // angle_max
   scan.angle_step_rad = cursor.number<float>();
-  scan.beam_period_ns = beam_period_ns(cursor.number<float>());
+  scan.beam_period_ns = to_beam_period_ns(cursor.number<float>());
   cursor.number<float>();  // scan_time
   const auto range_min_m = cursor.number<float>();
   const auto range_max_m = cursor.number<float>();

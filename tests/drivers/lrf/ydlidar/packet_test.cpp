@@ -123,6 +123,8 @@ TEST(YdlidarPacket, AnySplitGivesTheSame) {
 TEST(YdlidarPacket, WhatCannotBeIsRefused) {
   EXPECT_EQ(read(packet_of({1, 2, 3}, 128, 257), 99).times(Outcome::kPacket), 0) << "an angle without its check bit";
   EXPECT_EQ(read(packet_of({1, 2, 3}, 129, 361 * 128 + 1), 99).times(Outcome::kPacket), 0) << "361 degrees";
+  EXPECT_EQ(read(packet_of(std::vector<int>(11, 4000), 355 * 128 + 1, 360 * 128 + 1), 99).times(Outcome::kPacket), 0)
+      << "360 degrees, which are 0";
   EXPECT_EQ(read(packet_of({1, 2, 3}, 129, 40 * 128 + 1), 99).times(Outcome::kPacket), 0) << "20 degrees per sample";
   EXPECT_EQ(read(packet_of({1}, 129, 257), 99).times(Outcome::kPacket), 0) << "one sample in two directions";
   Bytes empty = packet_of({1});
