@@ -96,6 +96,16 @@ void compose_alternatives(const Motion& first, const Motion& next, Motion& sum) 
 
 }  // namespace
 
+Velocity2 Motion::velocity() const {
+  const double period_s = duration_s();
+  if (!matched() || period_s <= 0.0) {
+    return {};
+  }
+  const Point2 way_m =
+      Pose2{0.0, 0.0, -previous_T_current.yaw_rad} * Point2{previous_T_current.x_m, previous_T_current.y_m};
+  return {way_m.x_m / period_s, way_m.y_m / period_s, previous_T_current.yaw_rad / period_s};
+}
+
 Motion Motion::between(std::int64_t from_stamp_ns, std::int64_t to_stamp_ns, const Pose2& previous_T_current) {
   Motion motion;
   motion.from_stamp_ns = from_stamp_ns;

@@ -9,6 +9,7 @@
 
 #include "core/geometry/matrix_rows.hpp"
 #include "core/geometry/pose2.hpp"
+#include "core/geometry/velocity2.hpp"
 #include "core/motion/error_process.hpp"
 
 namespace odoless {
@@ -76,6 +77,8 @@ struct Motion {
                                       const Pose2& previous_T_current);
 
   [[nodiscard]] double duration_s() const { return static_cast<double>(duration_ns) * 1e-9; }
+  /// Mean over the motion, in the current scan's axes; zero where nothing was matched.
+  [[nodiscard]] Velocity2 velocity() const;
   [[nodiscard]] bool has(MotionFlag flag) const { return (flags & flag) != 0; }
   void set(MotionFlag flag, bool value) { flags = value ? flags | flag : flags & ~static_cast<std::uint32_t>(flag); }
   [[nodiscard]] bool matched() const { return has(kMatched); }

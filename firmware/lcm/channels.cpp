@@ -6,6 +6,7 @@ Channels::Channels(std::string_view prefix) {
   const auto named = [prefix](std::string_view name) { return std::string(prefix).append(name); };
   scan = named("SCAN");
   scan_again = named("SCAN_AGAIN");
+  scan_times = times_channel(scan);
   lrf_raw_rx = named("LRF_RAW_RX");
   lrf_raw_tx = named("LRF_RAW_TX");
   tilt_raw_rx = named("TILT_RAW_RX");
@@ -31,7 +32,10 @@ Channels::Channels(std::string_view prefix) {
 }
 
 bool Channels::is_taken(std::string_view channel) const {
-  return channel == scan || channel == scan_again || channel == motion || channel == motion_again;
+  return channel == scan || channel == scan_again || channel == scan_times || channel == motion ||
+         channel == motion_again;
 }
+
+std::string times_channel(std::string_view scan_channel) { return std::string(scan_channel).append("_TIMES"); }
 
 }  // namespace odoless

@@ -17,6 +17,7 @@ inline constexpr std::size_t kChannelPrefixMaxBytes = 40;
 struct Channels {
   std::string scan;             ///< bot_core.planar_lidar_t
   std::string scan_again;       ///< the last scan once more, for a filter elsewhere
+  std::string scan_times;       ///< odoless.scan_times_t
   std::string lrf_raw_rx;       ///< bot_core.raw_t, received from the device
   std::string lrf_raw_tx;       ///< bot_core.raw_t, sent to the device
   std::string tilt_raw_rx;      ///< bot_core.raw_t, received from the tilt servo; of CAN a line of candump each
@@ -45,5 +46,8 @@ struct Channels {
   /// Whether a daemon with a filter alone takes messages of that channel.
   [[nodiscard]] bool is_taken(std::string_view channel) const;
 };
+
+/// The channel that tells when the beams of scans on this one are measured.
+[[nodiscard]] std::string times_channel(std::string_view scan_channel);
 
 }  // namespace odoless

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <odoless/motion_t.hpp>
+#include <odoless/scan_times_t.hpp>
 
 #include "firmware/lcm/wire_reader.hpp"
 
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double kDistanceMaxM = 1e6;
 constexpr std::int64_t kDurationMaxNs = 1'000'000'000'000'000'000;  // 30 years
+constexpr std::int64_t kBeamTimeMaxNs = 1'000'000'000;
 constexpr double kLogWeightMax = 1e6;
 constexpr double kAngleMaxRad = 4.0 * std::numbers::pi;
 constexpr double kSweepMaxRad =
@@ -155,6 +157,24 @@ Result<RawScan> decode_scan(std::span<const std::byte> message, std::span<float>
                  .start_angle_rad = start_angle_rad,
                  .angle_step_rad = angle_step_rad,
                  .ranges_m = used_m};
+}
+
+Result<ScanTimes> decode_scan_times(std::span<const std::byte> message) {
+  WireReader reader(message);
+  if (reader.int64() != scan_times_t::getHash()) {
+    return reader.ok() ? Errc::kUnknownType : Errc::kMalformed;
+  }
+  const std::int64_t utime = reader.int64();
+  const ScanTimes times{.first_beam_ns = reader.int64(), .beam_period_ns = reader.int64()};
+  if (!reader.ok() || !reader.rest().empty()) {
+    return Errc::kMalformed;
+  }
+  const bool is_sane = std::clamp(times.first_beam_ns, -kBeamTimeMaxNs, kBeamTimeMaxNs) == times.first_beam_ns &&
+                       std::clamp(times.beam_period_ns, -kBeamTimeMaxNs, kBeamTimeMaxNs) == times.beam_period_ns;
+  if (!is_sane_utime(utime) || !is_sane) {
+    return Errc::kBadNumber;
+  }
+  return times;
 }
 
 Result<Motion> decode_motion(std::span<const std::byte> message) {

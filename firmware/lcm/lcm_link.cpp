@@ -63,6 +63,7 @@ struct LcmLink::Messages {
   }
 
   bot_core::planar_lidar_t scan{};
+  scan_times_t scan_times{};
   bot_core::raw_t raw{};
   bot_core::joint_state_t tilt{};
   motion_t motion{};
@@ -209,6 +210,10 @@ Errc LcmLink::transmit(const std::string& channel, std::span<const std::byte> me
 Errc LcmLink::publish(const ScanRecord& scan, std::span<const float> ranges_m) {
   if (ranges_m.size_bytes() > kMessageMaxBytes) {
     return refuse_too_long();
+  }
+  if (scan.beam_period_ns != 0) {
+    to_message(scan, messages_->scan_times);
+    static_cast<void>(send(channels_.scan_times, messages_->scan_times));  // counted
   }
   to_message(scan, ranges_m, messages_->scan);
   return send_and_keep(channels_.scan, messages_->scan, last_scan_message_);

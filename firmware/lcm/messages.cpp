@@ -82,14 +82,9 @@ std::int16_t status_type(LrfDriver laser) {
 }  // namespace
 
 Velocity velocity_of(const Motion& motion, double map_yaw_rad) {
-  const double period_s = motion.duration_s();
-  if (!motion.matched() || period_s <= 0.0) {
-    return {};
-  }
-  const Pose2& step = motion.previous_T_current;
-  const Pose2 map_R_previous{0.0, 0.0, map_yaw_rad - step.yaw_rad};
-  const Point2 way_m = map_R_previous * Point2{step.x_m, step.y_m};
-  return {way_m.x_m / period_s, way_m.y_m / period_s, step.yaw_rad / period_s};
+  const Velocity2 velocity = motion.velocity();
+  const Point2 map_mps = Pose2{0.0, 0.0, map_yaw_rad} * Point2{velocity.x_mps, velocity.y_mps};
+  return {map_mps.x_m, map_mps.y_m, velocity.yaw_radps};
 }
 
 void to_message(const ScanRecord& scan, std::span<const float> ranges_m, bot_core::planar_lidar_t& message) {
@@ -99,6 +94,12 @@ void to_message(const ScanRecord& scan, std::span<const float> ranges_m, bot_cor
   message.nintensities = 0;
   message.rad0 = static_cast<float>(scan.start_angle_rad);
   message.radstep = static_cast<float>(scan.angle_step_rad);
+}
+
+void to_message(const ScanRecord& scan, scan_times_t& message) {
+  message.utime = utime(scan.stamp_ns);
+  message.first_beam_ns = 0;
+  message.beam_period_ns = scan.beam_period_ns;
 }
 
 void to_message(const RawBytesRecord& raw, std::span<const std::byte> bytes, bot_core::raw_t& message) {

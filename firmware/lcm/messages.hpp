@@ -16,6 +16,7 @@
 #include <odoless/map_tile_t.hpp>
 #include <odoless/motion_t.hpp>
 #include <odoless/pose_estimate_t.hpp>
+#include <odoless/scan_times_t.hpp>
 #include <odoless/world_t.hpp>
 #include <span>
 
@@ -51,6 +52,7 @@ struct Velocity {
 [[nodiscard]] Velocity velocity_of(const Motion& motion, double map_yaw_rad);
 
 void to_message(const ScanRecord& scan, std::span<const float> ranges_m, bot_core::planar_lidar_t& message);
+void to_message(const ScanRecord& scan, scan_times_t& message);
 void to_message(const RawBytesRecord& raw, std::span<const std::byte> bytes, bot_core::raw_t& message);
 /// One joint, "tilt".
 void to_message(const TiltRecord& tilt, bot_core::joint_state_t& message);

@@ -2,19 +2,19 @@
 
 #include <utility>
 
-#include "firmware/lcm/decode.hpp"
-
 namespace odoless {
-LcmSource::LcmSource(const LcmParams& params, std::string scan_channel, int beams_max)
-    : LcmSource(params, Names{.scan = std::move(scan_channel)}, beams_max) {}
+LcmSource::LcmSource(const LcmParams& params, const std::string& scan_channel, int beams_max)
+    : LcmSource(params, Names{.scan = scan_channel, .scan_times = times_channel(scan_channel)}, beams_max) {}
 
 LcmSource::LcmSource(const LcmParams& params, const Channels& channels, int beams_max)
-    : LcmSource(params, Names{channels.scan, channels.scan_again, channels.motion, channels.motion_again}, beams_max) {}
+    : LcmSource(params,
+                Names{channels.scan, channels.scan_times, channels.scan_again, channels.motion, channels.motion_again},
+                beams_max) {}
 
 // An unused name is empty, as no message's channel is.
 LcmSource::LcmSource(const LcmParams& params, Names names, int beams_max)
     : names_(std::move(names)),
-      receiver_(params, {names_.scan, names_.scan_again, names_.motion, names_.motion_again}),
+      receiver_(params, {names_.scan, names_.scan_times, names_.scan_again, names_.motion, names_.motion_again}),
       ranges_m_(static_cast<std::size_t>(beams_max)) {}
 
 void LcmSource::work(const Clock& /*clock*/, ScanSink& sink) {
@@ -23,18 +23,36 @@ void LcmSource::work(const Clock& /*clock*/, ScanSink& sink) {
     if (!message) {
       return;
     }
-    const bool is_scan = message->channel == names_.scan || message->channel == names_.scan_again;
-    is_scan ? take_scan(*message, sink) : take_motion(*message, sink);
+    if (message->channel == names_.scan_times) {
+      take_scan_times(*message);
+    } else if (message->channel == names_.scan || message->channel == names_.scan_again) {
+      take_scan(*message, sink);
+    } else {
+      take_motion(*message, sink);
+    }
   }
 }
 
 void LcmSource::take_scan(const LcmMessage& message, ScanSink& sink) {
-  const Result<RawScan> scan = decode_scan(message.payload, ranges_m_);
-  if (!scan.ok()) {
+  const Result<RawScan> decoded = decode_scan(message.payload, ranges_m_);
+  if (!decoded.ok()) {
     ++refused_;
-  } else if (message.channel == names_.scan || scan.value().stamp_ns > last_scan_ns_) {
-    last_scan_ns_ = scan.value().stamp_ns;
-    sink.on_scan(scan.value());
+    return;
+  }
+  RawScan scan = decoded.value();
+  if (message.channel == names_.scan || scan.stamp_ns > last_scan_ns_) {
+    last_scan_ns_ = scan.stamp_ns;
+    scan.first_beam_ns = times_.first_beam_ns;
+    scan.beam_period_ns = times_.beam_period_ns;
+    sink.on_scan(scan);
+  }
+}
+
+void LcmSource::take_scan_times(const LcmMessage& message) {
+  if (const Result<ScanTimes> times = decode_scan_times(message.payload); times.ok()) {
+    times_ = times.value();
+  } else {
+    ++refused_;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "firmware/lcm/channels.hpp"
+#include "firmware/lcm/decode.hpp"
 #include "firmware/lcm/lcm_receiver.hpp"
 #include "firmware/stages/scan_source.hpp"
 
@@ -17,7 +18,7 @@ namespace odoless {
 class LcmSource final : public ScanSource {
  public:
   /// Scans alone, from any channel.
-  LcmSource(const LcmParams& params, std::string scan_channel, int beams_max);
+  LcmSource(const LcmParams& params, const std::string& scan_channel, int beams_max);
   /// Scans and motions of a matcher elsewhere.
   LcmSource(const LcmParams& params, const Channels& channels, int beams_max);
 
@@ -36,6 +37,7 @@ class LcmSource final : public ScanSource {
   static constexpr int kMessagesPerRound = 64;
   struct Names {
     std::string scan{};
+    std::string scan_times{};
     std::string scan_again{};
     std::string motion{};
     std::string motion_again{};
@@ -43,11 +45,13 @@ class LcmSource final : public ScanSource {
 
   LcmSource(const LcmParams& params, Names names, int beams_max);
   void take_scan(const LcmMessage& message, ScanSink& sink);
+  void take_scan_times(const LcmMessage& message);
   void take_motion(const LcmMessage& message, ScanSink& sink);
 
   Names names_;
   LcmReceiver receiver_;
   std::vector<float> ranges_m_;
+  ScanTimes times_;                                                       ///< of scans from now on
   std::int64_t last_scan_ns_ = std::numeric_limits<std::int64_t>::min();  ///< stamps
   std::int64_t last_motion_ns_ = std::numeric_limits<std::int64_t>::min();
   std::int64_t refused_ = 0;

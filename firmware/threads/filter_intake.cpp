@@ -70,6 +70,7 @@ void FilterIntake::on_motion(const Motion& motion) {
   release();  // the one before: its scan has been lost
   held_ = {.slot = scan_of(motion.to_stamp_ns), .motion = without_gap(motion, verdict)};
   has_held_ = true;
+  held_velocity_ = std::exchange(velocity_, motion.velocity());
   started_ = true;
   odom_T_last_ = motion.odom_T_current;
   last_stamp_ns_ = motion.to_stamp_ns;
@@ -83,6 +84,9 @@ void FilterIntake::release() {
     return;
   }
   MotionMessage message = held_;
+  if (message.slot != kNoSlot) {
+    pipeline().pool.at(message.slot).deskew(held_velocity_);
+  }
   if (has_pending_) {
     if (pending_.slot != kNoSlot) {
       give_back(pending_.slot);

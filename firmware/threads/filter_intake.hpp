@@ -9,6 +9,7 @@ namespace odoless {
 /// filter. A motion that was lost is made up for by the next one's odom pose. One whose scan has not come waits for it
 /// until the next motion, and then only composes. Scans wait for their motions in the queue of scans, as long as one
 /// that waits for a matcher. What is no motion of this robot, or none of now, is refused (MotionGuard).
+/// It is deskewed with the speed of the motion before, as the matcher has done.
 ///
 /// Thread: sensor thread. Real time: as Intake.
 class FilterIntake final : public Intake {
@@ -38,7 +39,9 @@ class FilterIntake final : public Intake {
   std::int64_t last_stamp_ns_ = 0;
   MotionMessage held_;  ///< the last motion, while its scan has not come
   bool has_held_ = false;
-  MotionMessage pending_;  ///< what the filter had no room for
+  Velocity2 velocity_;       ///< of the last motion
+  Velocity2 held_velocity_;  ///< of the one before it
+  MotionMessage pending_;    ///< what the filter had no room for
   bool has_pending_ = false;
 };
 

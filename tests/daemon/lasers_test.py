@@ -78,9 +78,17 @@ class LasersTest(DaemonCase):
             return super().start_laser(*more)
         return self.start("odoless", "emulate", "lrf", "--from", self.laser_world, "--tcp", str(self.port), *more)
 
+    def off_m(self, path):
+        """How far a path is off the true one (RMS)."""
+        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path(path), "--json")
+        return json.loads(ate.stdout)["translation_m"]["rmse"]
+
+    def start_laser_model(self, model):
+        return self.start_laser("--model", model, "--start-delay-s", "1", "--truth", self.path("truth.tum"))
+
     def drive(self, model):
-        """How many scans the daemon took, and how far the path was off as it was published at the time (RMS)."""
-        laser = self.start_laser("--model", model, "--start-delay-s", "1", "--truth", self.path("truth.tum"))
+        """How many scans the daemon took, and how far the path was off as it was published at the time."""
+        laser = self.start_laser_model(model)
         daemon = self.start_daemon("--enforce-realtime")
         self.wait_until_ok()
         time.sleep(DRIVE_S)
@@ -90,16 +98,35 @@ class LasersTest(DaemonCase):
         laser.wait()
         summary = self.summary()
         self.assertEqual(summary["heap_calls"], 0)
-        ate = run("odoless", "eval", "ate", self.path("truth.tum"), self.path("out/latest/trajectory_online.tum"), "--json")
-        return summary["scans"], json.loads(ate.stdout)["translation_m"]["rmse"]
+        return summary["scans"], self.off_m("out/latest/trajectory_online.tum")
+
+    def drive_in_halves(self, model):
+        """The same of a daemon with the filter alone; a replay of what the other half has recorded is off by no less."""
+        self.forget("recorded.00000.lcm")
+        laser = self.start_laser_model(model)
+        filter_half = self.start_daemon("--stages", "filter")
+        laser_half = self.start("odolessd", "--config", self.path("front.toml"), "--out", self.path("front"), "--stages", "sensor,matcher")
+        self.wait_until_ok()
+        time.sleep(DRIVE_S)
+        for daemon in (laser_half, filter_half):
+            daemon.send_signal(signal.SIGTERM)
+            self.assertEqual(daemon.wait(timeout=10), 0, daemon.stderr.read())
+        laser.kill()
+        laser.wait()
+        replay = run("odoless", "replay", self.path("recorded.00000.lcm"), "--out", self.path("replay"), "--force")
+        self.assertEqual(replay.returncode, 0, replay.stderr)
+        return self.summary()["scans"], max(self.off_m("out/latest/trajectory_online.tum"), self.off_m("replay/trajectory_online.tum"))
 
     def expect_maps(self, config, model, rate_hz=10.0):
         self.config = config
+        self.expect(model, lambda: self.drive(model), rate_hz, ERROR_MAX_M)
+
+    def expect(self, model, drive, rate_hz, error_max_m):
         for _ in range(3):
             with HostWatch() as host:
-                scans, error_m = self.drive(model)
+                scans, error_m = drive()
             print(f"  {model}: {scans} scans, {error_m:.3f} m off; the machine withheld {host.withheld_s:.2f} s")
-            if error_m <= ERROR_MAX_M and scans > 0.9 * rate_hz * DRIVE_S:
+            if error_m <= error_max_m and scans > 0.9 * rate_hz * DRIVE_S:
                 return
             self.assertGreater(host.withheld_s, 1.0, f"{model} is {error_m} m off after {scans} scans")
         self.fail("in three attempts the machine was too busy")
@@ -157,6 +184,13 @@ class LasersTest(DaemonCase):
 
     def test_maps_with_an_rplidar_s2(self):
         self.expect_maps(self.robot_file("robot-rplidar.toml", baud=1000000, rplidar_beams=1800), "rplidar-s2")
+
+    def test_both_halves_and_a_recording_know_the_times_of_beams(self):
+        url = f'url = "udpm://239.255.76.67:{free_port()}"\n'
+        self.config = self.write_config("robot.toml", url=url)
+        self.write_config("front.toml", f'[recorder]\npath = "{self.path("recorded")}"\n', url=url, socket="front_control",
+                          lrf='driver = "rplidar"\nbaud = 1000000\nrplidar_beams = 1800\n')
+        self.expect("rplidar-s2 in halves", lambda: self.drive_in_halves("rplidar-s2"), 10.0, 0.025)
 
     def test_maps_with_a_ydlidar_x4(self):
         self.expect_maps(self.robot_file("robot-ydlidar-x4.toml"), "ydlidar-x4", 7.0)

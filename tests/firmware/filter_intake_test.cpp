@@ -31,7 +31,10 @@ class FilterIntakeTest : public ::testing::Test {
  protected:
   void scan(int index) {
     ranges_m_.assign(16, 1.0F + 0.01F * static_cast<float>(index % 7));
-    intake_.on_scan({.stamp_ns = index * kScan_ns, .angle_step_rad = 0.1, .ranges_m = ranges_m_});
+    intake_.on_scan({.stamp_ns = index * kScan_ns,
+                     .angle_step_rad = 0.1,
+                     .beam_period_ns = beam_period_ns_,
+                     .ranges_m = ranges_m_});
   }
 
   /// Of all that has come out: whether each has its scan, and the sum of the motions.
@@ -41,7 +44,9 @@ class FilterIntakeTest : public ::testing::Test {
       sum_ = sum_ * message.motion.previous_T_current;
       to_stamp_ns_ = message.motion.to_stamp_ns;
       if (message.slot != kNoSlot) {
-        EXPECT_EQ(pipeline_.pool.at(message.slot).stamp_ns(), message.motion.to_stamp_ns);
+        const ScanFrame& scan = pipeline_.pool.at(message.slot);
+        EXPECT_EQ(scan.stamp_ns(), message.motion.to_stamp_ns);
+        turned_by_rad_.push_back(scan.angle_rad(scan.size() - 1) - 0.1 * (scan.size() - 1));
         ASSERT_TRUE(pipeline_.slots_from_filter.try_push(message.slot));
       }
     }
@@ -67,7 +72,9 @@ class FilterIntakeTest : public ::testing::Test {
   ManualClock clock_{1'700'000'000'000'000'000};
   FilterIntake intake_{pipeline_, clock_, {}, {.speed_max_mps = 100.0, .turn_rate_max_radps = 100.0}};
   std::vector<float> ranges_m_;
+  std::int64_t beam_period_ns_ = 0;  ///< as the scans tell it
   std::vector<bool> has_scan_;
+  std::vector<double> turned_by_rad_;  ///< the last beam of each scan, by deskewing
   Pose2 sum_;
   std::int64_t to_stamp_ns_ = 0;
 };
@@ -81,6 +88,20 @@ TEST_F(FilterIntakeTest, BringsEachMotionTogetherWithItsScan) {
     ASSERT_TRUE(has_scan_.back()) << index;
   }
   expect_sum_is(0, 100);
+}
+
+// The robot turns by 0.05 rad per scan; 16 beams, 5 ms apart.
+TEST_F(FilterIntakeTest, DeskewsScansWithTheSpeedOfTheMotionBefore) {
+  beam_period_ns_ = 5'000'000;
+  for (int index = 1; index <= 3; ++index) {
+    scan(index);
+    intake_.on_motion(motion(index));
+  }
+  drain();
+  ASSERT_EQ(turned_by_rad_.size(), 3U);
+  EXPECT_EQ(turned_by_rad_[0], 0.0) << "no speed is known yet";
+  EXPECT_NEAR(turned_by_rad_[1], 0.5 * 15 * 0.005, 1e-9);
+  EXPECT_NEAR(turned_by_rad_[2], 0.5 * 15 * 0.005, 1e-9);
 }
 
 TEST_F(FilterIntakeTest, AMotionWaitsForAScanThatComesAfterIt) {

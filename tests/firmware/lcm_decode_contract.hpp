@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <span>
 
 #include "core/base/check.hpp"
@@ -47,7 +48,7 @@ inline void check_motion(const Motion& motion) {
   check_pose(motion.then(motion).previous_T_current);
 }
 
-/// Gives any bytes to both decoders and breaks off if one accepts what is not sane. The error, kOk if one accepts.
+/// Gives any bytes to all decoders and breaks off if one accepts what is not sane. The error, kOk if one accepts.
 inline Errc decode_any(std::span<const std::byte> message) {
   std::array<float, 64> room;
   const Result<RawScan> scan = decode_scan(message, room);
@@ -60,7 +61,14 @@ inline Errc decode_any(std::span<const std::byte> message) {
     check_motion(motion.value());
     return Errc::kOk;
   }
-  return scan.error() == Errc::kUnknownType ? motion.error() : scan.error();
+  const Result<ScanTimes> times = decode_scan_times(message);
+  if (times.ok()) {
+    ODOLESS_CHECK(std::abs(times.value().first_beam_ns) <= 1'000'000'000);
+    ODOLESS_CHECK(std::abs(times.value().beam_period_ns) <= 1'000'000'000);
+    return Errc::kOk;
+  }
+  const Errc of_others = motion.error() == Errc::kUnknownType ? times.error() : motion.error();
+  return scan.error() == Errc::kUnknownType ? of_others : scan.error();
 }
 
 }  // namespace odoless::test

@@ -261,8 +261,39 @@ TEST(DecodeScan, RefusesAGeometryThatIsNone) {
   EXPECT_EQ(error_of(0.0F, -0.004F), Errc::kOk);        // clockwise
 }
 
+scan_times_t example_times() {
+  ScanRecord scan = test::example_scan(1);
+  scan.beam_period_ns = 25'000;
+  scan_times_t message;
+  to_message(scan, message);
+  return message;
+}
+
+TEST(DecodeScanTimes, GivesThemBackAndRefusesTimesOfNoScan) {
+  scan_times_t message = example_times();
+  EXPECT_EQ(message.utime, 1'700'000'000'123'456);
+  message.first_beam_ns = -7;
+  const Result<ScanTimes> times = decode_scan_times(encoded(message));
+  ASSERT_TRUE(times.ok());
+  EXPECT_EQ(times.value().first_beam_ns, -7);
+  EXPECT_EQ(times.value().beam_period_ns, 25'000);
+  for (const std::int64_t bad_ns : {INT64_MIN, std::int64_t{-1'000'000'001}, std::int64_t{1'000'000'001}, INT64_MAX}) {
+    message = example_times();
+    message.first_beam_ns = bad_ns;
+    EXPECT_EQ(decode_scan_times(encoded(message)).error(), Errc::kBadNumber) << bad_ns;
+    message = example_times();
+    message.beam_period_ns = bad_ns;
+    EXPECT_EQ(decode_scan_times(encoded(message)).error(), Errc::kBadNumber) << bad_ns;
+  }
+  message = example_times();
+  message.utime = -1;
+  EXPECT_EQ(decode_scan_times(encoded(message)).error(), Errc::kBadNumber);
+}
+
 TEST(Decoders, RefuseEachOthersMessages) {
   std::vector<float> room(100);
+  EXPECT_EQ(decode_scan(encoded(example_times()), room).error(), Errc::kUnknownType);
+  EXPECT_EQ(decode_scan_times(encoded(example_lidar(100))).error(), Errc::kUnknownType);
   EXPECT_EQ(decode_scan(encoded(message_of(test::example_motion())), room).error(), Errc::kUnknownType);
   EXPECT_EQ(decode_motion(encoded(example_lidar(100))).error(), Errc::kUnknownType);
 }
@@ -275,6 +306,12 @@ TEST(Decoders, RefuseAMessageThatIsCutOrTooLong) {
   }
   scan.push_back(std::byte{0});
   EXPECT_EQ(decode_scan(scan, room).error(), Errc::kMalformed);
+  std::vector<std::byte> times = encoded(example_times());
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    EXPECT_EQ(decode_scan_times(std::span(times).first(i)).error(), Errc::kMalformed) << i;
+  }
+  times.push_back(std::byte{0});
+  EXPECT_EQ(decode_scan_times(times).error(), Errc::kMalformed);
   std::vector<std::byte> motion = encoded(message_of(test::example_motion()));
   for (std::size_t i = 0; i < motion.size(); ++i) {
     EXPECT_EQ(decode_motion(std::span(motion).first(i)).error(), Errc::kMalformed) << i;
@@ -285,12 +322,12 @@ TEST(Decoders, RefuseAMessageThatIsCutOrTooLong) {
 
 // One to four bytes changed anywhere: what is accepted is sane, and every reason to refuse is seen.
 TEST(Decoders, AcceptOnlySaneRecordsFromMutatedMessages) {
-  const std::array<std::vector<std::byte>, 2> messages{encoded(example_lidar(40)),
-                                                       encoded(message_of(test::example_motion()))};
+  const std::array<std::vector<std::byte>, 3> messages{
+      encoded(example_lidar(40)), encoded(message_of(test::example_motion())), encoded(example_times())};
   Rng rng(1);
   std::set<Errc> seen;
   for (int i = 0; i < 100'000; ++i) {
-    std::vector<std::byte> message = messages[rng.below(2)];
+    std::vector<std::byte> message = messages[rng.below(3)];
     const std::uint32_t changes = 1 + rng.below(4);
     for (std::uint32_t change = 0; change < changes; ++change) {
       const auto at = rng.below(static_cast<std::uint32_t>(message.size()));

@@ -10,6 +10,7 @@
 
 #include "firmware/lcm/lcm_link.hpp"
 #include "firmware/lcm/lcm_receiver.hpp"
+#include "firmware/lcm/messages.hpp"
 #include "tests/firmware/lcm_records.hpp"
 #include "tests/support/private_network.hpp"
 
@@ -68,6 +69,23 @@ TEST_P(LcmLinkAgain, SendsEachScanAndMotionFiveTimesBeforeTheNextOfItsKind) {
   EXPECT_THAT(all_times[c.scan], ElementsAre(0, 5, 5));
   EXPECT_THAT(all_times[c.motion], ElementsAre(0, 5, 5));
   EXPECT_EQ(tap.kept.size(), 6U) << "the record has each once";
+}
+
+TEST(LcmLinkScanTimes, GoBeforeEachScanWhoseLaserTellsThem) {
+  LcmParams params;
+  params.url = "";
+  LcmLink link(params, kMapCellsMax);
+  KeepingTap tap;
+  link.set_tap(&tap);
+  ScanRecord scan = test::example_scan(181);
+  ASSERT_EQ(link.publish(scan, test::example_ranges_m(181)), Errc::kOk);
+  scan.beam_period_ns = 25'000;
+  ASSERT_EQ(link.publish(scan, test::example_ranges_m(181)), Errc::kOk);
+  ASSERT_EQ(tap.kept.size(), 3U);
+  EXPECT_EQ(tap.kept[0].channel, "ODOLESS_SCAN");
+  EXPECT_EQ(tap.kept[1].channel, "ODOLESS_SCAN_TIMES");
+  EXPECT_EQ(tap.kept[2].channel, "ODOLESS_SCAN");
+  EXPECT_EQ(tap.last<scan_times_t>("ODOLESS_SCAN_TIMES").beam_period_ns, 25'000);
 }
 
 INSTANTIATE_TEST_SUITE_P(Orders, LcmLinkAgain, ::testing::Values("smsmsm", "sssmmm"),

@@ -4,12 +4,15 @@
 #include <lcm/lcm.h>
 
 #include <algorithm>
+#include <lcm/lcm-cpp.hpp>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "firmware/lcm/lcm_link.hpp"
+#include "firmware/lcm/messages.hpp"
 #include "tests/firmware/lcm_records.hpp"
 #include "tests/support/private_network.hpp"
 
@@ -21,13 +24,17 @@ using Stamps = std::vector<std::int64_t>;
 /// Keeps what every message is of.
 class KeepingSink final : public ScanSink {
  public:
-  void on_scan(const RawScan& scan) override { scans_us.push_back(scan.stamp_ns / 1000); }
+  void on_scan(const RawScan& scan) override {
+    scans_us.push_back(scan.stamp_ns / 1000);
+    beam_periods_ns.push_back(scan.beam_period_ns);
+  }
   void on_motion(const Motion& motion) override { motions_us.push_back(motion.to_stamp_ns / 1000); }
   void on_raw(RawLine /*line*/, std::span<const std::byte> /*bytes*/, bool /*to_device*/) override {}
   void on_tilt(const TiltRecord& /*tilt*/) override {}
   void on_event(EventPriority /*priority*/, EventText /*text*/, std::int64_t /*number*/) override {}
 
   Stamps scans_us;
+  std::vector<std::int64_t> beam_periods_ns;
   Stamps motions_us;
 };
 
@@ -49,6 +56,13 @@ class LcmSourceTest : public ::testing::Test {
     scan.stamp_ns = stamp_us * 1000;
     EXPECT_EQ(link_.publish(scan, test::example_ranges_m(100)), Errc::kOk);
     send_last(channel);
+  }
+  void send_times(const std::string& channel, std::int64_t beam_period_ns) {
+    ScanRecord scan = test::example_scan(100);
+    scan.beam_period_ns = beam_period_ns;
+    scan_times_t message;
+    to_message(scan, message);
+    ASSERT_EQ(lcm::LCM(lcm_.get()).publish(channel, &message), 0);
   }
   void send_motion(const std::string& channel, std::int64_t to_stamp_us) {
     Motion motion = test::example_motion();
@@ -139,6 +153,19 @@ TEST_F(LcmSourceTest, FollowsASenderWhoseStampsBeginAgain) {
   send_motion(channels_.motion_again, 20);
   EXPECT_EQ(heard().scans_us, (Stamps{1000, 10, 20}));
   EXPECT_EQ(heard().motions_us, (Stamps{1000, 10, 20}));
+}
+
+TEST_F(LcmSourceTest, TimesOfBeamsHoldForTheScansBehindThem) {
+  send_scan(channels_.scan, 10);
+  send_times(channels_.scan_times, 25'000);
+  send_scan(channels_.scan, 20);
+  send_times("OTHER_SCAN_TIMES", 7);
+  send_scan(channels_.scan_again, 30);
+  send_times(channels_.scan_times, 26'000);
+  send_times(channels_.scan_times, std::numeric_limits<std::int64_t>::max());  // which is refused
+  send_scan(channels_.scan, 40);
+  EXPECT_EQ(heard().beam_periods_ns, (std::vector<std::int64_t>{0, 25'000, 25'000, 26'000}));
+  EXPECT_EQ(counts().rejected, 1);
 }
 
 TEST_F(LcmSourceTest, RefusesWhatIsNoMeasurement) {

@@ -15,6 +15,7 @@
 #include <odoless/map_tile_t.hpp>
 #include <odoless/motion_t.hpp>
 #include <odoless/pose_estimate_t.hpp>
+#include <odoless/scan_times_t.hpp>
 #include <odoless/world_t.hpp>
 
 #include "core/graph/map_correction.hpp"
@@ -47,6 +48,7 @@ TEST(LcmTypes, OfOurOwnStayAsTheyAre) {
   EXPECT_EQ(fingerprint<map_tile_t>(), 0x666fae7f76fce32dU);
   EXPECT_EQ(fingerprint<health_t>(), 0x4c10d772a2532e6aU);
   EXPECT_EQ(fingerprint<correction_t>(), 0xe1ad0c3a4f32131U);
+  EXPECT_EQ(fingerprint<scan_times_t>(), 0x3cbb640eb6403f95U);
   EXPECT_EQ(fingerprint<world_t>(), 0xd6b82b0036f604bfU);
 }
 

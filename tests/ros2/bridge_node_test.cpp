@@ -115,7 +115,13 @@ TEST_F(Bridge, MapsScansAndHealthComeThrough) {
   bot_core::planar_lidar_t scan{};
   scan.ranges = {1.0F, 50.0F};
   scan.nranges = 2;
-  send_until("scan", [&] { lcm_.publish("ODOLESS_SCAN", &scan); });
+  scan_times_t times{};
+  times.beam_period_ns = 50'000;
+  send_until("scan", [&] {
+    lcm_.publish("ODOLESS_SCAN_TIMES", &times);
+    lcm_.publish("ODOLESS_SCAN", &scan);
+  });
+  EXPECT_FLOAT_EQ(last<ros::LaserScan>("scan").time_increment, 50e-6F);
   EXPECT_TRUE(std::isinf(last<ros::LaserScan>("scan").ranges.at(1)));
   health_t health{};
   health.state = health_t::LOST;

@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "firmware/lcm/lcm_link.hpp"
 #include "firmware/lcm/log_writer.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tools/command/error.hpp"
 #include "tools/emulate/raw_recording.hpp"
+#include "tools/log/scan_log.hpp"
 #include "tools/output/whole_file.hpp"
 
 namespace odoless {
@@ -49,6 +51,30 @@ TEST(EventLog, ReadsWhatTheRecorderWrites) {
   EXPECT_THAT(read(written({"one", "two", std::string(200'000, 'x')})),
               ElementsAre("one", "two", std::string(200'000, 'x')));
   EXPECT_THAT(read(""), IsEmpty());
+}
+
+// Which planar_lidar_t does not tell.
+TEST(EventLog, ScansOfTheRecorderHaveTheTimesOfTheirBeams) {
+  const test::TemporaryFolder folder;
+  LcmParams silent;
+  silent.url = "";
+  LogWriterParams params;
+  params.path = (folder.path() / "log").string();
+  {
+    LogWriter writer(params);
+    LcmLink link(silent, 1);
+    link.set_tap(&writer);
+    const std::vector<float> ranges_m(100, 2.0F);
+    for (const std::int64_t beam_period_ns : {0, 25'000, 26'000}) {
+      ASSERT_EQ(link.publish({.angle_step_rad = 0.01, .beams = 100, .beam_period_ns = beam_period_ns}, ranges_m),
+                Errc::kOk);
+    }
+  }
+  const ScanLog log = read_scan_log(folder.path() / "log.00000.lcm", {.topic = "ODOLESS_SCAN"});
+  ASSERT_EQ(log.scans.size(), 3U);
+  EXPECT_EQ(log.scans[0].beam_period_ns, 0);
+  EXPECT_EQ(log.scans[1].beam_period_ns, 25'000);
+  EXPECT_EQ(log.scans[2].beam_period_ns, 26'000);
 }
 
 TEST(EventLog, ACutLogEndsBeforeItsLastMessage) {

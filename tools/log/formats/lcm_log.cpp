@@ -8,8 +8,11 @@
 #include <bot_core/pointcloud_t.hpp>
 #include <bot_core/pose_t.hpp>
 #include <bot_core/raw_t.hpp>
+#include <map>
+#include <odoless/scan_times_t.hpp>
 
 #include "core/base/result.hpp"
+#include "firmware/lcm/channels.hpp"
 #include "firmware/lcm/decode.hpp"
 #include "tools/log/binary_cursor.hpp"
 #include "tools/log/event_log.hpp"
@@ -24,12 +27,13 @@ struct KnownType {
 };
 
 std::string type_of(std::int64_t fingerprint) {
-  static const std::array<KnownType, 5> kTypes{{
+  static const std::array<KnownType, 6> kTypes{{
       {bot_core::planar_lidar_t::getHash(), "bot_core.planar_lidar_t"},
       {bot_core::raw_t::getHash(), "bot_core.raw_t"},
       {bot_core::pose_t::getHash(), "bot_core.pose_t"},
       {bot_core::joint_state_t::getHash(), "bot_core.joint_state_t"},
       {bot_core::pointcloud_t::getHash(), "bot_core.pointcloud_t"},
+      {scan_times_t::getHash(), "odoless.scan_times_t"},
   }};
   for (const KnownType& type : kTypes) {
     if (type.fingerprint == fingerprint) {
@@ -65,6 +69,9 @@ class LcmLog : public MessageLog {
     }
     const std::string_view data(reinterpret_cast<const char*>(event_.data.data()), event_.data.size());
     const auto fingerprint = BinaryCursor(data, std::endian::big).number<std::int64_t>();
+    if (const Result<ScanTimes> times = decode_scan_times(std::as_bytes(std::span(event_.data))); times.ok()) {
+      times_[event_.channel] = times.value();
+    }
     has_raw_bytes_ = has_raw_bytes_ || fingerprint == bot_core::raw_t::getHash();
     head.topic = topic_of(event_.channel, type_of(fingerprint), fingerprint == bot_core::planar_lidar_t::getHash());
     head.recorded_ns = microseconds_to_ns(event_.time_us);
@@ -81,6 +88,10 @@ class LcmLog : public MessageLog {
     scan.stamp_ns = decoded.value().stamp_ns;
     scan.start_angle_rad = decoded.value().start_angle_rad;
     scan.angle_step_rad = decoded.value().angle_step_rad;
+    if (const auto times = times_.find(times_channel(event_.channel)); times != times_.end()) {
+      scan.first_beam_ns = times->second.first_beam_ns;
+      scan.beam_period_ns = times->second.beam_period_ns;
+    }
     scan.ranges_m.resize(decoded.value().ranges_m.size());
     return scan;
   }
@@ -93,6 +104,7 @@ class LcmLog : public MessageLog {
 
   EventLog events_;
   LoggedMessage event_;
+  std::map<std::string, ScanTimes, std::less<>> times_;  ///< by the channel that told them last
   bool has_raw_bytes_ = false;
 };
 

@@ -6,6 +6,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
 #include <nav_msgs/msg/occupancy_grid.hpp>
+#include <odoless/scan_times_t.hpp>
 #include <odoless_ros2/control.hpp>
 #include <odoless_ros2/conversion.hpp>
 #include <odoless_ros2/pixel_map.hpp>
@@ -71,6 +72,7 @@ class BridgeNode : public rclcpp::Node {
     lcm_.subscribe(prefix + "MAP_TO_ODOM", &BridgeNode::take_map_to_odom, this);
     lcm_.subscribe(prefix + "MAP", &BridgeNode::take_map, this);
     lcm_.subscribe(prefix + "SCAN", &BridgeNode::take_scan, this);
+    lcm_.subscribe(prefix + "SCAN_TIMES", &BridgeNode::take_scan_times, this);
     lcm_.subscribe(prefix + "HEALTH", &BridgeNode::take_health, this);
   }
 
@@ -110,6 +112,10 @@ class BridgeNode : public rclcpp::Node {
     sensor_msgs::msg::LaserScan scan;
     to_ros(*lidar, extent_, frames_, scan);
     scan_->publish(scan);
+  }
+
+  void take_scan_times(const lcm::ReceiveBuffer*, const std::string&, const scan_times_t* times) {
+    extent_.beam_period_s = 1e-9 * static_cast<double>(times->beam_period_ns);
   }
 
   void take_health(const lcm::ReceiveBuffer*, const std::string&, const health_t* health) {
