@@ -40,7 +40,8 @@ struct RobotParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.group("robot", self.limits, "How the robot, or whoever carries the laser, can move.");
-    visit.group("lrf.mount", self.mount, "How the laser is mounted on the robot, and which beams are used.");
+    visit.group("lrf.mount", self.mount,
+                "How the laser is mounted on the robot, which beams are used, and when they were measured.");
     visit.group("scan", self.scan, "What of a scan is used.");
     visit.group("matcher", self.matcher, "Scan matching: NDT and Differential Evolution.");
     visit.group("odometry", self.odometry, "Tracking from scan to scan against a local map.");

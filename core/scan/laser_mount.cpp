@@ -67,11 +67,16 @@ RawScan LaserMount::apply(const RawScan& raw) {
     return raw;
   }
   RawScan out = raw;
-  const std::int64_t last = static_cast<std::int64_t>(raw.ranges_m.size()) - 1;
+  const auto beams = static_cast<std::int64_t>(raw.ranges_m.size());
+  const std::int64_t last = beams - 1;
+  if (raw.beam_period_ns == 0 && beams > 0) {
+    out.beam_period_ns = params_.sweep_ns / beams;
+    out.first_beam_ns = std::max<std::int64_t>(-last * out.beam_period_ns, 0);
+  }
   if (place_.is_flipped && last >= 0) {
     out.start_angle_rad = -(raw.start_angle_rad + static_cast<double>(last) * raw.angle_step_rad);
-    out.first_beam_ns = raw.first_beam_ns + last * raw.beam_period_ns;
-    out.beam_period_ns = -raw.beam_period_ns;
+    out.first_beam_ns += last * out.beam_period_ns;
+    out.beam_period_ns = -out.beam_period_ns;
   }
   out.start_angle_rad += place_.yaw_rad;
   if (!has_sectors_ && !place_.is_flipped) {

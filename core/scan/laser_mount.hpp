@@ -10,8 +10,9 @@
 
 namespace odoless {
 
-/// Turns what the laser says into the scan frame, and leaves out what it shall not see: the one place where the mount
-/// is applied. What is recorded and sent over LCM is as the laser says it, so that it may come in again.
+/// Turns what the laser says into the scan frame, leaves out what it shall not see, and tells the times of beams where
+/// the scan does not: the one place where the mount is applied. What is recorded and sent over LCM is as the laser says
+/// it, so that it may come in again.
 ///
 /// A laser whose left and right are swapped has its beams given in the reverse order, so that a scan has the same beams
 /// in the same order however the laser hangs.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -8,7 +9,7 @@
 
 namespace odoless {
 
-/// How the laser is mounted on the robot, and which part of its field of view is used.
+/// How the laser is mounted on the robot, which part of its field of view is used, and when its beams are measured.
 ///
 /// Frames: `laser`, as the device counts its bearings; `scan`, at the same place with the axes of the robot, in which
 /// all of SLAM works; `robot`, whose pose is told. Bearings of sectors are those of the scan frame: 0 is the robot's
@@ -22,6 +23,7 @@ struct LaserMountParams {
   double angle_min_rad = -std::numbers::pi;
   double angle_max_rad = std::numbers::pi;
   std::vector<AngleSector> ignore{};
+  std::int64_t sweep_ns = 0;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -40,6 +42,11 @@ struct LaserMountParams {
     visit.sectors("ignore", self.ignore,
                   "Sectors in which the laser sees the robot itself, such as masts and cables: bearings from the "
                   "robot's front, counter-clockwise from the first to the second.");
+    visit.value(
+        "sweep_ns", self.sweep_ns, Range<std::int64_t>{-500'000'000, 500'000'000},
+        "How long the laser takes for the beams of one scan, for scans that do not tell it (over LCM, and in logs "
+        "of CARMEN, DP-SLAM and MRPT): the motion meanwhile is taken out of them. Below 0 where the last beam is "
+        "measured first; 0 where it is unknown, or too short to matter.");
   }
 
   [[nodiscard]] bool is_flipped() const { return upside_down != mirrored; }

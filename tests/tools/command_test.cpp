@@ -117,6 +117,7 @@ TEST(Command, InfoTellsWhatALogHolds) {
   const Outcome text = run({"info", log});
   EXPECT_EQ(text.status, 0);
   EXPECT_THAT(text.out, HasSubstr("CARMEN FLASER"));
+  EXPECT_THAT(text.out, HasSubstr("sweep     not told"));
   const auto json = nlohmann::json::parse(run({"info", "--json", log}).out);
   EXPECT_EQ(json["scans"], 3);
   EXPECT_EQ(json["beams_min"], 4);
@@ -131,6 +132,14 @@ TEST(Command, InfoTellsWhatALogHolds) {
   EXPECT_DOUBLE_EQ(json["range_min_m"], 1.0);
   EXPECT_DOUBLE_EQ(json["range_median_m"], 4.0);
   EXPECT_DOUBLE_EQ(json["range_max_m"], 6.0);
+}
+
+TEST(Command, InfoTellsHowLongASweepTakesWhereTheLogDoes) {
+  const test::TemporaryFolder folder;
+  const std::string log =
+      folder.file("a.csv", "1,-1,0.5,0.025,0.1,0.1,10,4,1,2,3,4\n2,-1,0.5,0.025,0.1,0.1,10,4,1,2,3,4\n").string();
+  EXPECT_THAT(run({"info", log}).out, HasSubstr("sweep     100.0 ms"));
+  EXPECT_DOUBLE_EQ(nlohmann::json::parse(run({"info", "--json", log}).out)["sweep_s"], 0.1);
 }
 
 TEST(Command, NamesFileLineAndRemedyOfBadInput) {

@@ -6,10 +6,16 @@
 #include <numbers>
 
 #include "core/base/rng.hpp"
+#include "drivers/lrf/models.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tools/eval/ate.hpp"
+#include "tools/log/reference_poses.hpp"
+#include "tools/log/scan_log.hpp"
 #include "tools/output/trajectory.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/sim/path.hpp"
 #include "tools/sim/ray_caster.hpp"
+#include "tools/sim/simulation.hpp"
 #include "tools/sim/world_file.hpp"
 
 namespace odoless {
@@ -46,11 +52,10 @@ ScanLog record(const World& world, const LaserMountParams& params, const std::ve
   return log;
 }
 
-World room() {
-  return parse_world(
-      "room 0 0  9 6\nbox 2 4  1 0.5\nbox 6 1.5  0.5 1\npillar 7 4.5 0.2\nspeed 0.8\nturn_rate 60\n"
-      "go 1.5 1.5  5 1.5  7.5 3.5  5 4.8  1.5 2.5\n",
-      "room");
+World room(const std::string& turn_rate_degps = "60") {
+  return parse_world("room 0 0  9 6\nbox 2 4  1 0.5\nbox 6 1.5  0.5 1\npillar 7 4.5 0.2\nspeed 0.8\nturn_rate " +
+                         turn_rate_degps + "\ngo 1.5 1.5  5 1.5  7.5 3.5  5 4.8  1.5 2.5\n",
+                     "room");
 }
 
 std::vector<Pose2> drive_through(const World& world) {
@@ -111,6 +116,28 @@ TEST(Mount, TellsThePoseOfARobotThatTurnsOnTheSpot) {
     }
     EXPECT_GT(laser_way_m, 0.5) << "the laser itself goes round";
   }
+}
+
+// CARMEN's logs do not tell when a beam was measured. At 10 Hz, a turn of 90 deg/s shears scans by 9 deg.
+TEST(Mount, TakesOutTheMotionOfASweepThatTheScansDoNotTell) {
+  SimulatedLrfParams lrf = simulated_lrf_params(*find_lrf_model("rplidar-s2"));
+  lrf.distortion = true;
+  const Simulation simulation = simulate(room("90"), lrf, 1);
+  const test::TemporaryFolder folder;
+  const std::vector<ReferencePose> truth = read_reference_poses(folder.file("truth.tum", simulation.truth)).poses;
+  const ScanLog log = read_scan_log(folder.file("sheared.log", simulation.log));
+  ASSERT_EQ(log.scans.front().beam_period_ns, 0);
+  const auto off_m = [&](std::int64_t sweep_ns) {
+    const ReplayResult result = map_of(log, {.sweep_ns = sweep_ns});
+    std::vector<ReferencePose> path;
+    for (const StampedPose& pose : result.trajectory) {
+      path.push_back({static_cast<double>(pose.stamp_ns) * 1e-9, pose.map_T_scan});
+    }
+    return evaluate_ate(truth, path, {}).errors.translation_m.root_mean_square;
+  };
+  const double deskewed_m = off_m(100'000'000);
+  EXPECT_LT(deskewed_m, 0.01);
+  EXPECT_GT(off_m(0), 2.0 * deskewed_m);
 }
 
 TEST(Mount, IgnoredSectorsAreInNoScanAndNoMap) {

@@ -47,6 +47,7 @@ nlohmann::ordered_json to_json(const LogInfo& info) {
           {"clock_sets", info.times.clock_sets},
           {"doubtful_times", info.times.doubtful},
           {"period_s", info.times.period_s},
+          {"sweep_s", info.sweep_s},
           {"duration_s", info.duration_s},
           {"rate_hz", info.rate_hz},
           {"return_share", info.return_share},
@@ -72,6 +73,7 @@ void print_text(const LogInfo& info) {
              span_text(to_deg(info.angle_step_min_rad), to_deg(info.angle_step_max_rad), "{:.4f}"));
   fmt::print("duration  {:.1f} s, {:.2f} scans per second\n", info.duration_s, info.rate_hz);
   fmt::print("stamps    {}\n", info.has_stamps ? times_text(info.times) : "none: index x period");
+  fmt::print("sweep     {}\n", info.sweep_s > 0.0 ? fmt::format("{:.1f} ms", 1e3 * info.sweep_s) : kSweepNotTold);
   fmt::print("beams     {:.1f} % returns, {:.1f} % no return, {:.1f} % invalid\n", 100.0 * info.return_share,
              100.0 * info.no_return_share, 100.0 * info.invalid_share);
   fmt::print("ranges    {:.2f} m least, {:.2f} m median, {:.2f} m most\n", info.range_min_m, info.range_m.median,

@@ -80,6 +80,7 @@ struct Outcome {
   Verdict verdict{};
   std::vector<std::string> corrected;  ///< in the log
   ScanTimeFindings times{};
+  bool is_sweep_known = true;  ///< else a scan counts as measured at once
 };
 
 ReplayProgress show_on(Progress& bar) {
@@ -118,6 +119,9 @@ void add_outcome(const Outcome& outcome, nlohmann::ordered_json& summary) {
 /// The closing lines.
 void close(const LogJob& job, const Outcome& outcome) {
   fmt::print("{}\nstamps: {}\n", shares_text(outcome.figures), times_text(outcome.times));
+  if (!outcome.is_sweep_known && outcome.verdict.grade != Grade::kGood) {
+    fmt::print("sweep: {}\n", kSweepNotTold);
+  }
   close_job(job.log, outcome.verdict, job.strict);
 }
 
@@ -220,6 +224,7 @@ void run_replay(const LogJob& job) {
   const ResourceMeter meter;
   Outcome outcome;
   ScanLog log = read_log(job, outcome.corrected);
+  outcome.is_sweep_known = params.mount.sweep_ns != 0 || log.scans.front().beam_period_ns != 0;
   ResultFolder folder(job.out, job.force);
   ReplayOptions options = job.options;
   keep_world(job, params, options);

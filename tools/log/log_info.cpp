@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "tools/command/error.hpp"
 #include "tools/log/log_times.hpp"
@@ -87,6 +88,9 @@ LogInfo summarise(const ScanLog& log, const std::string& name) {
   for (const LogScan& scan : log.scans) {
     add_geometry(scan, info);
   }
+  info.sweep_s =
+      static_cast<double>(std::abs(first.beam_period_ns) * static_cast<std::int64_t>(first.ranges_m.size())) *
+      kSecondsPerNanosecond;
   add_times(log, info);
   add_beams(log, name, info);
   return info;

@@ -9,6 +9,11 @@
 
 namespace odoless {
 
+/// Of a log that does not tell when the beams of a scan were measured.
+constexpr const char* kSweepNotTold =
+    "not told, so that the motion during a scan stays in it; where the laser takes long, say how long: "
+    "lrf.mount.sweep_ms";
+
 /// What a log holds, at a glance.
 struct LogInfo {
   std::string format;
@@ -21,6 +26,7 @@ struct LogInfo {
   double angle_step_max_rad = 0.0;
   bool has_stamps = false;
   ScanTimeFindings times{};   ///< what the stamps are like
+  double sweep_s = 0.0;       ///< the beams of the first scan; 0 where the log does not tell when beams were measured
   double duration_s = 0.0;    ///< from the oldest scan to the newest
   double rate_hz = 0.0;       ///< 0 without duration
   double return_share = 0.0;  ///< 0..1 of all beams, as the SLAM would classify them with its defaults

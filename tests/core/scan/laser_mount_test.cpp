@@ -60,6 +60,26 @@ TEST(LaserMount, GivesTheVeryScanOfAnUprightLaserWhereItHangsUpsideDown) {
   }
 }
 
+TEST(LaserMount, TellsTheTimesOfBeamsWhereTheScanDoesNot) {
+  const std::vector<float> ranges_m = some_ranges_m();
+  RawScan untold = scan_of(ranges_m);
+  untold.beam_period_ns = 0;
+  constexpr std::int64_t kSweep_ns = 100'000'000;
+  constexpr std::int64_t kToLast_ns = (kBeams - 1) * (kSweep_ns / kBeams);
+  for (const bool is_hanging : {false, true}) {
+    for (const bool is_last_first : {false, true}) {
+      LaserMount mount({.upside_down = is_hanging, .sweep_ns = is_last_first ? -kSweep_ns : kSweep_ns}, kBeams);
+      const RawScan out = mount.apply(untold);
+      const bool is_reversed = is_hanging != is_last_first;
+      EXPECT_EQ(out.beam_period_ns, (is_reversed ? -kSweep_ns : kSweep_ns) / kBeams);
+      EXPECT_EQ(out.first_beam_ns, is_reversed ? kToLast_ns : 0) << "the first that is measured has the stamp";
+      EXPECT_EQ(mount.apply(scan_of(ranges_m)).beam_period_ns, is_hanging ? -1000 : 1000) << "what it tells is so";
+    }
+  }
+  LaserMount mount({.sweep_ns = kSweep_ns}, kBeams);
+  EXPECT_EQ(mount.apply({}).beam_period_ns, 0) << "no beams";
+}
+
 TEST(LaserMount, TurnsBearingsByTheYaw) {
   const std::vector<float> ranges_m = some_ranges_m();
   LaserMount mount({.yaw_rad = 0.5}, kBeams);
