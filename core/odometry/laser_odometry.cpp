@@ -23,6 +23,10 @@ constexpr double kSlack_rad = 0.05;
 constexpr double kReach_deviations = 3.0;
 constexpr double kWide_m = 3.0;  // where the motion may lead farther, a search near the expected pose is not enough
 constexpr double kSpeed_kept_unmatched = 0.5;
+constexpr double kSheared_m = 0.05;  // by the sweep's end: a match does not see less
+constexpr double kSheared_rad = 0.02;
+constexpr double kClearly_better = 1.05;  // score: less is chance
+constexpr int kDeskewed_again = 2;
 constexpr int kSlices_sure = 16;  // of a local map, however little time a match has left
 
 void copy_figures(const MatchResult& match, Motion& motion) {
@@ -36,6 +40,19 @@ void copy_figures(const MatchResult& match, Motion& motion) {
   motion.set(kEscalated, match.escalated);
   motion.set(kRejected, match.escalated && !match.converged);
   motion.set(kDeadlineHit, match.stop == StopReason::kDeadline);
+}
+
+/// What the laser has moved by in half of the sweep, as it was deskewed.
+Pose2 to_middle(const ScanFrame& scan) {
+  const double half_s = 0.5 * scan.deskewed_s();
+  const Velocity2& speed = scan.deskewed_with();
+  return {half_s * speed.x_mps, half_s * speed.y_mps, half_s * speed.yaw_radps};
+}
+
+/// Whether a scan that is deskewed with one of these speeds looks another than with the other.
+bool shears(const Velocity2& one, const Velocity2& other, double sweep_s) {
+  return sweep_s * math::hypot(one.x_mps - other.x_mps, one.y_mps - other.y_mps) > kSheared_m ||
+         sweep_s * std::abs(one.yaw_radps - other.yaw_radps) > kSheared_rad;
 }
 
 }  // namespace
@@ -53,7 +70,7 @@ LaserOdometry::LaserOdometry(const LaserOdometryParams& params, const RobotLimit
   forget_speed();
 }
 
-Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, Rng& rng) {
+Motion LaserOdometry::process(ScanFrame& scan, const Deadline& deadline, Rng& rng) {
   const std::int64_t from_stamp_ns = started_ ? stamp_ns_ : scan.stamp_ns();
   Motion motion = Motion::between(from_stamp_ns, scan.stamp_ns(), {});
   motion.duration_ns = started_ ? scan.time_ns() - time_ns_ : 0;
@@ -68,7 +85,7 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   reach.rotation_rad += std::abs(speed_yaw_radps_) * motion.duration_sd_s;
   const Expectation expected{key_T_scan, reach.distance_m, reach.rotation_rad, reach.distance_m > kWide_m,
                              odom_T_key.inverse() * odom_T_scan_};
-  const Result<MatchResult> match = matcher_.match(map_.reference, scan, expected, deadline, rng);
+  const Result<MatchResult> match = match_deskewed(scan, expected, period_s + motion.duration_sd_s, deadline, rng);
   copy_figures(match.ok() ? match.value() : MatchResult{}, motion);
   motion.set(kMatched, match.ok());
   motion.set(kJolted, match.ok() && unobserved_s < kHole_s && motion.score < params_.poor_share * usual_score_.value());
@@ -98,6 +115,28 @@ Motion LaserOdometry::process(const ScanFrame& scan, const Deadline& deadline, R
   }
   build_map(deadline);
   return motion;
+}
+
+Result<MatchResult> LaserOdometry::match_deskewed(ScanFrame& scan, const Expectation& expected, double period_s,
+                                                  const Deadline& deadline, Rng& rng) {
+  scan.deskew(velocity());
+  Result<MatchResult> best = matcher_.match(map_.reference, scan, expected, deadline, rng);
+  for (int again = 0; again < kDeskewed_again && best.ok() && !deadline.expired(); ++again) {
+    const Velocity2 taken = scan.deskewed_with();
+    const Pose2 moved = between_middles(expected.rest_T_scan.inverse() * best.value().reference_T_scan, scan);
+    const Velocity2 told{moved.x_m / period_s, moved.y_m / period_s, moved.yaw_rad / period_s};
+    if (!shears(told, taken, scan.deskewed_s())) {
+      break;
+    }
+    scan.deskew(told);
+    const Result<MatchResult> other = matcher_.match(map_.reference, scan, expected, deadline, rng);
+    if (!other.ok() || other.value().score < kClearly_better * best.value().score) {
+      scan.deskew(taken);
+      break;
+    }
+    best = other;
+  }
+  return best;
 }
 
 // A laser that repeats a scan says nothing of the motion meanwhile.
@@ -153,10 +192,10 @@ bool LaserOdometry::begins_anew(const Motion& motion) {
 // belongs, and its stamp's pose is off by half a sweep of the difference. From stamp to stamp, that error of one scan
 // would be the speed of the next, with the sign changed: where the sweep takes the whole period, it never ends. From
 // middle to middle there is none.
-double LaserOdometry::turn_between_middles_rad(const ScanFrame& scan, const Motion& motion) {
-  const double before_rad = std::exchange(to_middle_rad_, 0.5 * scan.deskewed_s() * speed_yaw_radps_);
-  const bool is_by_match = started_ && motion.matched() && !motion.has(kJolted);
-  return motion.previous_T_current.yaw_rad + (is_by_match ? to_middle_rad_ - before_rad : 0.0);
+Pose2 LaserOdometry::between_middles(const Pose2& step, const ScanFrame& scan) const {
+  const Pose2 ahead = to_middle(scan);
+  return {step.x_m + ahead.x_m - to_middle_.x_m, step.y_m + ahead.y_m - to_middle_.y_m,
+          step.yaw_rad + ahead.yaw_rad - to_middle_.yaw_rad};
 }
 
 void LaserOdometry::remember(const ScanFrame& scan, const Motion& motion, double period_s) {
@@ -165,7 +204,11 @@ void LaserOdometry::remember(const ScanFrame& scan, const Motion& motion, double
   const double kept = leapt ? 0.0 : motion.matched() ? 1.0 : kSpeed_kept_unmatched;
   speed_x_mps_ *= kept;
   speed_y_mps_ *= kept;
-  speed_yaw_radps_ = kept * turn_between_middles_rad(scan, motion) / (period_s + motion.duration_sd_s);
+  const Pose2& step = motion.previous_T_current;
+  const bool is_by_match = started_ && motion.matched() && !motion.has(kJolted);
+  const double turned_rad = is_by_match ? between_middles(step, scan).yaw_rad : step.yaw_rad;
+  speed_yaw_radps_ = kept * turned_rad / (period_s + motion.duration_sd_s);
+  to_middle_ = to_middle(scan);
   if (started_) {
     covariance_ = motion.error().after(covariance_);
     has_speed_ = has_speed_ || motion.matched();

@@ -80,9 +80,9 @@ class LaserOdometry {
   /// Of the last motion, in the scan's axes; zero before the second scan.
   [[nodiscard]] Velocity2 velocity() const { return {speed_x_mps_, speed_y_mps_, speed_yaw_radps_}; }
 
-  /// `scan` has been made with room for no more beams than the constructor's `scan`; if it was deskewed, then with
-  /// `velocity`.
-  [[nodiscard]] Motion process(const ScanFrame& scan, const Deadline& deadline, Rng& rng);
+  /// Of the next scan, which has been made with room for no more beams than the constructor's `scan`. It is deskewed
+  /// here, and so it stays.
+  [[nodiscard]] Motion process(ScanFrame& scan, const Deadline& deadline, Rng& rng);
 
  private:
   static constexpr double kScore_memory_s = 5.0;
@@ -104,10 +104,14 @@ class LaserOdometry {
   [[nodiscard]] MotionReach expected_reach(double period_s) const;
   /// Kalman's update of the prediction by a match. [kalman1960; method 4]
   [[nodiscard]] Estimate corrected(const Estimate& prediction, const Pose2& odom_T_key, const MatchResult& match);
+  /// Deskews the scan with the speed of the last motion and matches it; where its match tells another speed, with that,
+  /// too. It stays as it fits best.
+  [[nodiscard]] Result<MatchResult> match_deskewed(ScanFrame& scan, const Expectation& expected, double period_s,
+                                                   const Deadline& deadline, Rng& rng);
   /// Since the last scan that was no repetition; of a repetition since the last scan.
   [[nodiscard]] double unobserved_period_s(const ScanFrame& scan, double period_s);
-  /// Of the last motion, from the middle of the scan before to that of this one.
-  [[nodiscard]] double turn_between_middles_rad(const ScanFrame& scan, const Motion& motion);
+  /// Of a step to this scan: the motion from the middle of the sweep before to the middle of this one.
+  [[nodiscard]] Pose2 between_middles(const Pose2& step, const ScanFrame& scan) const;
   void remember(const ScanFrame& scan, const Motion& motion, double period_s);
   /// How credible the match is, its other answers, and what is usual.
   void judge(const Result<MatchResult>& match, const Pose2& odom_T_key, double period_s, Motion& motion);
@@ -138,8 +142,8 @@ class LaserOdometry {
   double time_sd_s_ = 0.0;
   Pose2 odom_T_scan_{};
   double speed_x_mps_ = 0.0, speed_y_mps_ = 0.0, speed_yaw_radps_ = 0.0;
-  bool has_speed_ = false;      ///< before the first match it may be any
-  double to_middle_rad_ = 0.0;  ///< turned from the last stamp to the middle of a deskewed scan
+  bool has_speed_ = false;  ///< before the first match it may be any
+  Pose2 to_middle_{};       ///< of the last scan, of which the motion was taken out
   int poor_in_a_row_ = 0;
   double stale_s_ = 0.0;  ///< for which the laser has repeated a scan
   UsualLevel usual_score_{kScore_memory_s};

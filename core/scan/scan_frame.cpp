@@ -56,6 +56,7 @@ Errc ScanFrame::assign(const RawScan& raw) {
   first_beam_ns_ = raw.first_beam_ns;
   beam_period_ns_ = raw.beam_period_ns;
   deskewed_s_ = 0.0;
+  deskewed_with_ = {};
   size_ = static_cast<int>(raw.ranges_m.size());
   set_geometry(raw);
   returns_ = 0;
@@ -70,7 +71,7 @@ Errc ScanFrame::assign(const RawScan& raw) {
 
 // The turn changes the angle from beam to beam by the same, so that the beams stay evenly spaced but for the travel.
 void ScanFrame::deskew(const Velocity2& velocity) {
-  const double period_s = static_cast<double>(std::exchange(beam_period_ns_, 0)) * 1e-9;
+  const double period_s = static_cast<double>(beam_period_ns_) * 1e-9;
   const bool is_credible = math::hypot(velocity.x_mps, velocity.y_mps) <= kDeskew_max_mps &&
                            std::abs(velocity.yaw_radps) <= kDeskew_max_radps;  // false for NaN
   const double first_s = static_cast<double>(first_beam_ns_) * 1e-9;
@@ -78,20 +79,24 @@ void ScanFrame::deskew(const Velocity2& velocity) {
   if (sweep_s <= 0.0 || sweep_s > kDeskew_max_s || !is_credible) {
     return;
   }
-  deskewed_s_ = sweep_s;
-  start_angle_rad_ += velocity.yaw_radps * first_s;
-  angle_step_rad_ += velocity.yaw_radps * period_s;
+  const Velocity2 before = std::exchange(deskewed_with_, velocity);
+  const bool is_again = std::exchange(deskewed_s_, sweep_s) > 0.0;
+  start_angle_rad_ += (velocity.yaw_radps - before.yaw_radps) * first_s;
+  angle_step_rad_ += (velocity.yaw_radps - before.yaw_radps) * period_s;
   for (int i = 0; i < size_; ++i) {
     const auto beam = static_cast<std::size_t>(i);
+    const double time_s = first_s + i * period_s;
+    const Point2 seen = point(i);
+    const double measured_m =
+        is_again ? math::hypot(seen.x_m - before.x_mps * time_s, seen.y_m - before.y_mps * time_s) : range_m(i);
     const double beam_rad = angle_rad(i);
     Point2& direction = directions_[beam];
     direction = {math::cos(beam_rad), math::sin(beam_rad)};
     if (!is_return(i)) {
       continue;
     }
-    const double time_s = first_s + i * period_s;
-    const Point2 p{range_m(i) * direction.x_m + velocity.x_mps * time_s,
-                   range_m(i) * direction.y_m + velocity.y_mps * time_s};
+    const Point2 p{measured_m * direction.x_m + velocity.x_mps * time_s,
+                   measured_m * direction.y_m + velocity.y_mps * time_s};
     const double distance_m = math::hypot(p.x_m, p.y_m);
     if (distance_m > 0.0) {
       ranges_m_[beam] = static_cast<float>(distance_m);

@@ -66,6 +66,9 @@ class ScanFrame {
   /// How long the sweep took of which the motion was taken out; 0: none was.
   [[nodiscard]] double deskewed_s() const { return deskewed_s_; }
 
+  /// With which speed.
+  [[nodiscard]] const Velocity2& deskewed_with() const { return deskewed_with_; }
+
   /// When the scan was taken, by a ScanClock; until it is told, that is the stamp.
   void set_time(const ScanTime& time) { time_ = time; }
 
@@ -107,6 +110,7 @@ class ScanFrame {
   std::int64_t first_beam_ns_ = 0;
   std::int64_t beam_period_ns_ = 0;
   double deskewed_s_ = 0.0;
+  Velocity2 deskewed_with_{};
   int size_ = 0;
   int returns_ = 0;
   int directions_valid_ = 0;

@@ -6,7 +6,6 @@ MatcherStage::MatcherStage(const RobotParams& params, std::uint64_t seed)
     : odometry_(params.odometry, params.limits, params.matcher, params.scan), rng_(seed, 1) {}
 
 Motion MatcherStage::process(ScanFrame& scan, const Deadline& deadline) {
-  scan.deskew(odometry_.velocity());
   return odometry_.process(scan, deadline, rng_);
 }
 

@@ -15,7 +15,7 @@ class MatcherStage {
  public:
   MatcherStage(const RobotParams& params, std::uint64_t seed);
 
-  /// Deskews `scan` by the motion so far, where it tells its beams' times; the filter wants it like that too.
+  /// Deskews `scan`, where it tells its beams' times; the filter wants it like that too.
   [[nodiscard]] Motion process(ScanFrame& scan, const Deadline& deadline = {});
 
  private:

@@ -134,7 +134,8 @@ void BM_LaserOdometry(benchmark::State& state) {
   bool forth = false;
   for (auto _ : state) {
     forth = !forth;
-    benchmark::DoNotOptimize(odometry.process(forth ? pair.reference : pair.scan, {}, rng));
+    ScanFrame scan = forth ? pair.reference : pair.scan;
+    benchmark::DoNotOptimize(odometry.process(scan, {}, rng));
   }
   state.SetLabel(pair.label);
 }

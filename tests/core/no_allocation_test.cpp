@@ -133,7 +133,7 @@ TEST_F(NoAllocation, LaserOdometryAllocatesNothingAlsoForKeyScansAndBlindOnes) {
   long calls = 0;
   for (int i = 0; i < 30; ++i) {
     const Pose2 map_T_scan{-1.0 + 0.05 * i, 0.3, 0.2 * i};
-    const ScanFrame scan =
+    ScanFrame scan =
         sweep(i % 10 == 7 ? SimulatedScene{} : cluttered_room(), {}, map_T_scan, rng, std::int64_t{i} * 100'000'000);
     const AllocationGuard guard;
     const bool matched = odometry.process(scan, {}, rng).matched();

@@ -79,7 +79,6 @@ class Drive {
 
   void scan(ScanFrame scan) {
     matcher_clock_.begin(bounds_.matcher.deadline);
-    scan.deskew(odometry_.velocity());
     const Motion motion = odometry_.process(scan, matcher_clock_.deadline(), rng_);
     matcher_figures_.add(matcher_clock_.used());
     filter_.update(motion, scan, bounds_.filter.deadline);

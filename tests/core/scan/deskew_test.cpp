@@ -2,6 +2,7 @@
 // sees.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -33,6 +34,8 @@ class MovingLaser {
       : scene_(std::move(scene)), velocity_(velocity), sweep_(sweep), ranges_m_(static_cast<std::size_t>(sweep.beams)) {
     laser_.noise_sd_m = noise_sd_m;
   }
+
+  void drive(const Velocity2& velocity) { velocity_ = velocity; }
 
   /// Constant speed in the axes of the laser at the time 0 of each sweep, as the deskewing has it.
   [[nodiscard]] Pose2 moved(const Pose2& map_T_scan, double time_s) const {
@@ -109,7 +112,6 @@ void expect_straight_by_odometry(const Velocity2& velocity, const DeskewedSweep&
   double sum_m = 0.0;
   for (int i = 0; i < kScans; ++i) {
     moving.sweep(map_T_scan, i * kTurn_ns, scan);
-    scan.deskew(odometry.velocity());
     static_cast<void>(odometry.process(scan, {}, rng));
     if (i >= kFirst) {
       sum_m += moving.crookedness_m(scan, map_T_scan);
@@ -129,6 +131,50 @@ TEST(Deskew, ASpeedSettlesWhereASweepTakesTheWholePeriod) {
     expect_straight_by_odometry({speed_mps, 0.0, kFast_radps}, kWholeTurn);
     expect_straight_by_odometry({speed_mps, 0.0, kFast_radps}, kClockwiseFromTheFront);
     expect_straight_by_odometry({speed_mps, 0.0, -kFast_radps}, kClockwiseFromTheFront);
+  }
+}
+
+// A robot that brakes hard and turns on the spot, and back: by the speed of the scan before, scans would be sheared by
+// up to 4.5 deg and 0.06 m, and so would be what the next ones are matched to.
+TEST(Deskew, AScanIsDeskewedWithTheSpeedThatItsOwnMatchTells) {
+  MovingLaser laser(cluttered_room(), {}, 0.01, kWholeTurn);
+  ScanFrame scan(ScanParams{});
+  LaserOdometry odometry({}, {}, {}, {});
+  Rng rng(1);
+  const Pose2 map_T_first{-0.5, -1.9, 0.0};
+  Pose2 map_T_scan = map_T_first;
+  double turns = 0.0;  // 0: straight on; 1: on the spot
+  for (int i = 0; i < 96; ++i) {
+    turns = std::clamp(turns + (i % 16 < 6 ? -0.5 : 0.5), 0.0, 1.0);
+    const double speed_mps = std::min(1.2, 0.4 * i) * (1.0 - turns);
+    laser.drive({speed_mps, 0.0, turns * 0.5 * std::numbers::pi});
+    laser.sweep(map_T_scan, i * kTurn_ns, scan);
+    const Pose2 odom_T_scan = odometry.process(scan, {}, rng).odom_T_current;
+    const Pose2 truth = map_T_first.inverse() * map_T_scan;
+    EXPECT_LT(truth.distance_m(odom_T_scan), 0.05) << i;
+    EXPECT_LT(std::abs(wrap_angle(truth.yaw_rad - odom_T_scan.yaw_rad)), 0.05) << i;
+    map_T_scan = laser.moved(map_T_scan, 0.1);
+  }
+}
+
+TEST(Deskew, WithAnotherSpeedIsAsIfWithThatAlone) {
+  MovingLaser laser(cluttered_room(), {1.0, 0.5, kFast_radps}, 0.0);
+  const Velocity2 last{0.7, -0.3, -2.0};
+  ScanFrame once(ScanParams{});
+  ScanFrame again(ScanParams{});
+  laser.sweep({-0.8, -1.2, 0.3}, 0, once);
+  laser.sweep({-0.8, -1.2, 0.3}, 0, again);
+  once.deskew(last);
+  again.deskew({1.0, 0.5, kFast_radps});
+  again.deskew({});
+  again.deskew(last);
+  EXPECT_EQ(again.deskewed_s(), once.deskewed_s());
+  EXPECT_EQ(again.deskewed_with().x_mps, last.x_mps);
+  for (int i = 0; i < once.size(); ++i) {
+    EXPECT_NEAR(again.range_m(i), once.range_m(i), 1e-5) << i;
+    EXPECT_NEAR(again.direction(i).x_m, once.direction(i).x_m, 1e-6) << i;
+    EXPECT_NEAR(again.direction(i).y_m, once.direction(i).y_m, 1e-6) << i;
+    EXPECT_NEAR(again.angle_rad(i), once.angle_rad(i), 1e-9) << i;
   }
 }
 
