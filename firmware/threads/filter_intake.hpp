@@ -9,7 +9,8 @@ namespace odoless {
 /// filter. A motion that was lost is made up for by the next one's odom pose. One whose scan has not come waits for it
 /// until the next motion, and then only composes. Scans wait for their motions in the queue of scans, as long as one
 /// that waits for a matcher. What is no motion of this robot, or none of now, is refused (MotionGuard).
-/// It is deskewed with the speed of the motion before, as the matcher has done.
+/// A scan is deskewed with the speed of the motion before; a better one that the matcher may have found does not come
+/// along.
 ///
 /// Thread: sensor thread. Real time: as Intake.
 class FilterIntake final : public Intake {
