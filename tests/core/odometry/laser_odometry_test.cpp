@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <vector>
 
 #include "rt/cpu_clock.hpp"
@@ -125,6 +126,16 @@ TEST(LaserOdometry, FirstScanIsTheOrigin) {
   EXPECT_EQ(drive.last().from_stamp_ns, drive.last().to_stamp_ns);
   EXPECT_EQ(drive.estimate().x_m, 0.0);
   EXPECT_LT(drive.last().covariance().trace(), 1e-4);
+}
+
+TEST(LaserOdometry, TellsHowUncertainTheTimeOfAMotionIs) {
+  LaserOdometry odometry({}, {}, {}, {});
+  Rng rng(1);
+  for (const auto& [time_ns, sd_s, told_s] : {std::tuple(0, 0.03, 0.0), std::tuple(90'000'000, 0.04, 0.05)}) {
+    ScanFrame scan = sweep(cluttered_room(), {}, {}, rng, time_ns);
+    scan.set_time({.time_ns = time_ns, .sd_s = sd_s});
+    EXPECT_NEAR(odometry.process(scan, {}, rng).duration_sd_s, told_s, 1e-9);
+  }
 }
 
 TEST(LaserOdometry, KeepsTrackAcrossAPauseOfTheData) {

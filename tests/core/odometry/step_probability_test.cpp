@@ -37,6 +37,8 @@ TEST(StepProbability, WhatIsNotMatchedOrHasNoUsualScoreIsAsProbableAsTheTimeHasI
 }
 
 TEST(StepProbability, AnUncertainTimeCountsAsALongerOne) {
+  EXPECT_NEAR(step_probability({}, {.period_s = 0.2, .period_sd_s = 3.0}), step_probability({}, {.period_s = 1.7}),
+              1e-12);
   EXPECT_LT(step_probability({}, {.period_s = 0.2, .period_sd_s = 3.0}),
             step_probability({}, {.period_s = 0.2}) - 0.01);
 }
