@@ -13,6 +13,7 @@
 #include "config/expectation.hpp"
 #include "firmware/daemon/daemon_params.hpp"
 #include "tools/calibrate/mount_estimate.hpp"
+#include "tools/calibrate/sweep_estimate.hpp"
 #include "tools/command/closing.hpp"
 #include "tools/command/error.hpp"
 #include "tools/log/plausibility.hpp"
@@ -25,20 +26,24 @@ namespace {
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr const char* kUpsideDown = "upside-down";
 
-struct MountJob {
+/// What both commands are asked.
+struct CalibrateJob {
   std::string log;
   std::string topic;
   std::string config;
-  std::string poses;
-  std::string first_turn;
-  std::string hangs;
   double begin_s = 0.0;
   double duration_s = 120.0;
   bool json = false;
 };
 
+struct MountJob : CalibrateJob {
+  std::string poses;
+  std::string first_turn;
+  std::string hangs;
+};
+
 /// The scans of the time that is asked for; `first` is the index of the first one in the log.
-ScanLog part_of(ScanLog log, const MountJob& job, std::size_t& first) {
+ScanLog part_of(ScanLog log, const CalibrateJob& job, std::size_t& first) {
   const std::int64_t origin_ns = log.scans.front().stamp_ns;
   const auto at = [&](double time_s) {
     return std::ranges::find_if(log.scans, [&, end_ns = origin_ns + std::llround(time_s * 1e9)](const LogScan& scan) {
@@ -165,15 +170,25 @@ void print(const MountJob& job, const Handedness& hand, const OwnSectors& own, c
   }
 }
 
-void run_mount(const MountJob& job) {
+ScanLog read_part(const CalibrateJob& job, std::size_t& first) {
+  std::vector<std::string> corrected;
+  ScanLog log = part_of(read_plausible_log(job.log, {.topic = job.topic}, corrected), job, first);
+  tell_corrections(job.log, corrected);
+  return log;
+}
+
+DaemonParams params_of(const CalibrateJob& job) {
   DaemonParams params;
   if (!job.config.empty()) {
     load_parameters(job.config, params);
   }
-  std::vector<std::string> corrected;
+  return params;
+}
+
+void run_mount(const MountJob& job) {
+  const DaemonParams params = params_of(job);
   std::size_t first = 0;
-  const ScanLog log = part_of(read_plausible_log(job.log, {.topic = job.topic}, corrected), job, first);
-  tell_corrections(job.log, corrected);
+  const ScanLog log = read_part(job, first);
   const Handedness hand = handedness_of(job, log, first, match(log, params.robot));
   const OwnSectors own = find_own_sectors(log, hand.matches, params.robot.scan);
   print(job, hand, own, mount_of(job, hand.verdict, params.robot.mount));
@@ -182,30 +197,108 @@ void run_mount(const MountJob& job) {
   }
 }
 
+std::string sweep_text(const SweepEstimate& found) {
+  const double sweep_ms = 1e-6 * static_cast<double>(found.sweep_ns);
+  switch (found.verdict) {
+    case SweepEstimate::Verdict::kSweep:
+      return fmt::format("sweep: {:.0f} ms{}: scans in turns match {:.2f} times as well as without", std::abs(sweep_ms),
+                         sweep_ms < 0.0 ? ", the last beam first" : "", found.better);
+    case SweepEstimate::Verdict::kShort:
+      return "sweep: too short to matter";
+    case SweepEstimate::Verdict::kUnknown:
+      break;
+  }
+  return "sweep: cannot be told";
+}
+
+void print(const CalibrateJob& job, const SweepEstimate& found) {
+  const double sweep_ms = std::round(1e-6 * static_cast<double>(found.sweep_ns));
+  if (job.json) {
+    constexpr const char* kVerdicts[] = {"unknown", "short", "sweep"};
+    const nlohmann::ordered_json report{{"verdict", kVerdicts[static_cast<std::size_t>(found.verdict)]},
+                                        {"sweep_ms", sweep_ms},
+                                        {"period_ms", 1e-6 * static_cast<double>(found.period_ns)},
+                                        {"turn_scans", found.turn_scans},
+                                        {"better", found.better}};
+    fmt::print("{}\n", report.dump(2));
+    return;
+  }
+  fmt::print("turns: {} scans in turns that are fast enough to tell\n{}\n", found.turn_scans, sweep_text(found));
+  if (found.verdict != SweepEstimate::Verdict::kUnknown) {
+    fmt::print("\n[lrf.mount]\nsweep_ms = {:.0f}\n", sweep_ms);
+  }
+}
+
+std::string expected_for(const SweepEstimate& found) {
+  const double turn_deg = SweepEstimate::kTurn_min_rad * kDegPerRad;
+  return found.turn_scans < SweepEstimate::kTurnScans_min
+             ? fmt::format("{} or more scans in turns of {:.1f} deg from scan to scan", SweepEstimate::kTurnScans_min,
+                           turn_deg)
+             : "faster turns; in these a sweep of up to the scans' period makes no difference";
+}
+
+void run_sweep(const CalibrateJob& job) {
+  const DaemonParams params = params_of(job);
+  std::size_t first = 0;
+  const ScanLog log = read_part(job, first);
+  if (log.scans.front().beam_period_ns != 0) {
+    throw DataError(job.log, 0, "its scans tell when each beam was measured, and sweep_ms is not needed",
+                    "a log that does not tell it");
+  }
+  if (!log.has_stamps) {
+    throw DataError(job.log, 0, "its scans have no stamps", "a log with them");
+  }
+  SweepEstimate found;
+  {
+    std::optional<Progress> bar;
+    found = estimate_sweep(log, params.robot, [&bar](int done, int total) {
+      (bar ? *bar : bar.emplace(total, InPipe::kLines)).update(done, "laser odometry with other sweeps");
+    });
+  }
+  print(job, found);
+  if (found.verdict == SweepEstimate::Verdict::kUnknown) {
+    throw DataError(job.log, 0, "how long a sweep takes cannot be told", expected_for(found));
+  }
+}
+
+/// The options that both commands have.
+void add_common(CLI::App& command, CalibrateJob& job) {
+  command.add_option("LOG", job.log, "Log of a robot that drives and turns, of any kind that `odoless info` reads")
+      ->required();
+  command.add_option("--topic", job.topic, "Topic of the scans, where a log of messages has several");
+  command.add_option("--config", job.config, "TOML file of the robot: yaw and range limits are taken from it");
+  command.add_option("--from-s", job.begin_s, "Begin so long after the first scan")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+  command.add_option("--for-s", job.duration_s, "Look at so much of the log")
+      ->check(CLI::Range(0.1, 1e9))
+      ->capture_default_str();
+  command.add_flag("--json", job.json, "Write one JSON object instead of text");
+}
+
+void add_sweep(CLI::App& calibrate) {
+  const auto job = std::make_shared<CalibrateJob>();
+  CLI::App* const sweep = calibrate.add_subcommand(
+      "sweep", "How long the laser takes for the beams of one scan, where the log does not tell it");
+  add_common(*sweep, *job);
+  sweep->callback([job] { run_sweep(*job); });
+}
+
 }  // namespace
 
 void add_calibrate(CLI::App& app) {
   CLI::App* const calibrate = app.add_subcommand("calibrate", "What a log tells of how the laser is mounted");
   calibrate->require_subcommand(1);
+  add_sweep(*calibrate);
   const auto job = std::make_shared<MountJob>();
   CLI::App* const mount = calibrate->add_subcommand(
       "mount", "Whether left and right are swapped, and in which sectors the laser sees the robot itself");
-  mount->add_option("LOG", job->log, "Log of a robot that drives and turns, of any kind that `odoless info` reads")
-      ->required();
-  mount->add_option("--topic", job->topic, "Topic of the scans, where a log of messages has several");
-  mount->add_option("--config", job->config, "TOML file of the robot: yaw and range limits are taken from it");
+  add_common(*mount, *job);
   mount->add_option("--first-turn", job->first_turn, "Way of the robot's first turn of 30 deg or more, as you saw it")
       ->check(CLI::IsMember({"left", "right"}));
   mount->add_option("--poses", job->poses, "Poses of the robot at the scans' stamps, instead of those in a CARMEN log");
   mount->add_option("--hangs", job->hangs, "How the laser hangs, as you see it: the scans do not show it")
       ->check(CLI::IsMember({"upright", kUpsideDown}));
-  mount->add_option("--from-s", job->begin_s, "Begin so long after the first scan")
-      ->check(CLI::Range(0.0, 1e9))
-      ->capture_default_str();
-  mount->add_option("--for-s", job->duration_s, "Look at so much of the log")
-      ->check(CLI::Range(0.1, 1e9))
-      ->capture_default_str();
-  mount->add_flag("--json", job->json, "Write one JSON object instead of text");
   mount->callback([job] { run_mount(*job); });
 }
 

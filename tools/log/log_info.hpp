@@ -11,8 +11,8 @@ namespace odoless {
 
 /// Of a log that does not tell when the beams of a scan were measured.
 constexpr const char* kSweepNotTold =
-    "not told, so that the motion during a scan stays in it; where the laser takes long, say how long: "
-    "lrf.mount.sweep_ms";
+    "not told, so that the motion during a scan stays in it; where the laser takes long, say how long in "
+    "lrf.mount.sweep_ms, which `odoless calibrate sweep` finds";
 
 /// What a log holds, at a glance.
 struct LogInfo {
