@@ -8,6 +8,7 @@
 #include "core/base/scan_span.hpp"
 #include "core/geometry/pose2_covariance.hpp"
 #include "core/math/elementary.hpp"
+#include "core/math/principal_axes.hpp"
 #include "core/odometry/step_probability.hpp"
 
 namespace odoless {
@@ -23,6 +24,8 @@ constexpr double kSlack_rad = 0.05;
 constexpr double kReach_deviations = 3.0;
 constexpr double kWide_m = 3.0;  // where the motion may lead farther, a search near the expected pose is not enough
 constexpr double kSpeed_kept_unmatched = 0.5;
+constexpr double kOpen_m = 0.3;      // standard deviation of a match that leaves a direction unconstrained
+constexpr double kStray_s = 0.1;     // what stray points say of it is the same for so long, however many scans
 constexpr double kSheared_m = 0.05;  // by the sweep's end: a match does not see less
 constexpr double kSheared_rad = 0.02;
 constexpr double kClearly_better = 1.05;  // score: less is chance
@@ -40,6 +43,16 @@ void copy_figures(const MatchResult& match, Motion& motion) {
   motion.set(kEscalated, match.escalated);
   motion.set(kRejected, match.escalated && !match.converged);
   motion.set(kDeadlineHit, match.stop == StopReason::kDeadline);
+}
+
+/// Of a match, with what it says of an unconstrained direction believed once in a time and not once in a scan.
+Eigen::Matrix3d covariance_over(const Eigen::Matrix3d& covariance, double period_s) {
+  const math::PrincipalAxes<2> axes = math::principal_axes<2>(covariance.topLeftCorner<2, 2>());
+  const double open_m2 = std::max(0.0, axes.values(1) - kOpen_m * kOpen_m);
+  const double more_scans = std::max(0.0, kStray_s / period_s - 1.0);
+  Eigen::Matrix3d out = covariance;
+  out.topLeftCorner<2, 2>() += more_scans * open_m2 * axes.axes.col(1) * axes.axes.col(1).transpose();
+  return out;
 }
 
 /// What the laser has moved by in half of the sweep, as it was deskewed.
@@ -94,7 +107,7 @@ Motion LaserOdometry::process(ScanFrame& scan, const Deadline& deadline, Rng& rn
   Estimate estimate{prediction.odom_T_scan, started_ ? prediction.error : ErrorProcess{}};
   if (match.ok() && (!motion.has(kJolted) ||
                      are_within(key_T_scan, match.value().reference_T_scan, reach.distance_m, reach.rotation_rad))) {
-    estimate = corrected(prediction, odom_T_key, match.value());
+    estimate = corrected(prediction, odom_T_key, match.value(), period_s);
     motion.set_map_slip(turned(odom_slip(estimate, odom_T_key, match.value()), -odom_T_scan_.yaw_rad));
   }
   estimate.error.initial = covariance_;
@@ -273,10 +286,10 @@ MotionReach LaserOdometry::expected_reach(double period_s) const {
 }
 
 LaserOdometry::Estimate LaserOdometry::corrected(const Estimate& prediction, const Pose2& odom_T_key,
-                                                 const MatchResult& match) {
+                                                 const MatchResult& match, double period_s) {
   const Pose2 key_T_scan = odom_T_key.inverse() * prediction.odom_T_scan;
   const Pose2 difference = key_T_scan.inverse() * match.reference_T_scan;
-  Eigen::Matrix3d covariance = turned(match.covariance, -key_T_scan.yaw_rad);
+  Eigen::Matrix3d covariance = turned(covariance_over(match.covariance, period_s), -key_T_scan.yaw_rad);
   covariance.diagonal() +=
       Eigen::Vector3d(kMatch_sd_m * kMatch_sd_m, kMatch_sd_m * kMatch_sd_m, kMatch_sd_rad * kMatch_sd_rad);
   const ErrorProcess& ahead = prediction.error;

@@ -103,7 +103,8 @@ class LaserOdometry {
   [[nodiscard]] Estimate predict(double period_s) const;
   [[nodiscard]] MotionReach expected_reach(double period_s) const;
   /// Kalman's update of the prediction by a match. [kalman1960; method 4]
-  [[nodiscard]] Estimate corrected(const Estimate& prediction, const Pose2& odom_T_key, const MatchResult& match);
+  [[nodiscard]] Estimate corrected(const Estimate& prediction, const Pose2& odom_T_key, const MatchResult& match,
+                                   double period_s);
   /// Deskews the scan with the speed of the last motion and matches it; where its match tells another speed, with that,
   /// too. It stays as it fits best.
   [[nodiscard]] Result<MatchResult> match_deskewed(ScanFrame& scan, const Expectation& expected, double period_s,
