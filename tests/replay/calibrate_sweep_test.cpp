@@ -33,7 +33,7 @@ std::filesystem::path drive(const test::TemporaryFolder& folder, const std::stri
   return log;
 }
 
-/// The same scans with the last beam first, of a log whose lines are FLASER.
+/// The same scans with the last beam first, of a log whose lines are ROBOTLASER1.
 std::filesystem::path reversed(const test::TemporaryFolder& folder, const std::filesystem::path& log) {
   LineReader lines(open_bytes(log), log.string());
   std::string text;
@@ -41,10 +41,8 @@ std::filesystem::path reversed(const test::TemporaryFolder& folder, const std::f
   while (lines.next(line)) {
     std::istringstream words{std::string(line)};
     std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
-    const std::ptrdiff_t first = fields.front() == "FLASER" ? 2 : 9;
-    if (fields.front() == "FLASER" || fields.front() == "ROBOTLASER1") {
-      std::reverse(fields.begin() + first,
-                   fields.begin() + first + std::stoi(fields[static_cast<std::size_t>(first - 1)]));
+    if (fields.front() == "ROBOTLASER1") {
+      std::reverse(fields.begin() + 9, fields.begin() + 9 + std::stoi(fields[8]));
     }
     for (const std::string& field : fields) {
       text += field + ' ';
@@ -81,6 +79,9 @@ TEST(CalibrateSweep, TellsTheShareOfTheTurnInWhichALaserMeasuresEitherWayRound) 
 TEST(CalibrateSweep, TellsThatASweepIsShort) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(told_of(drive(folder, "lms200", false))["verdict"], "short");
+}
+
+TEST(CalibrateSweep, TellsThatTheSweepOfARecordedLaserIsShort) {
   ODOLESS_DATA_FILE(log, "fr079.clf.xz");  // an LMS 291: 13 ms for a scan
   const auto told = told_of(log);
   EXPECT_EQ(told["verdict"], "short");

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <vector>
 
 #include "firmware/stages/matcher_stage.hpp"
@@ -89,6 +88,7 @@ SweepEstimate estimate_sweep(const ScanLog& log, const RobotParams& params, cons
     progress(static_cast<int>(trials.size()), 2 * kQuarters + 1);
     trials.push_back(try_sweep(quarters * quarter_ns, log, params));
   }
+  progress(static_cast<int>(trials.size()), static_cast<int>(trials.size()));
   const SweepTrial& at_once = trials[kQuarters];
   const SweepTrial& best = *std::ranges::max_element(
       trials, {}, [&at_once](const SweepTrial& trial) { return compare(trial, at_once).better; });
