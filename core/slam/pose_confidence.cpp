@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kLeast = 1e-9;            // no state is ever impossible
 constexpr double kJump_shows_in_s = 60.0;  // a jump that the scans have not contradicted for longer was none
+constexpr double kAt_rest_s = 2.0;         // after which a scan that fits counts as a new one
+constexpr double kAgainst = 3.0;           // a third of the way makes one that does not fit a new one
 
 }  // namespace
 
@@ -55,12 +57,15 @@ void PoseConfidence::slip(double within) {
   normalise();
 }
 
-void PoseConfidence::observe(double fit_share, double known_share, double span_s, double seen_anew) {
+void PoseConfidence::observe(double fit_share, double known_share, double span_s, double moved) {
   const double against = std::max(-params_.against_max, params_.evidence_per_fit * (fit_share - params_.against_fit));
   const double in_favour = std::min(params_.for_max, params_.evidence_per_fit * (fit_share - params_.for_fit));
   const double evidence = std::min(0.0, against) + std::max(0.0, in_favour);
-  // That a scan fits to one corner does not grow more telling by looking at the corner longer.
-  const double counts = evidence > 0.0 ? seen_anew : std::min(1.0, span_s / params_.evidence_period_s);
+  // From the same place a scan says the same again: that it fits is confirmed by looking longer, but slowly; where it
+  // does not, the map may be wrong there.
+  const double counts = evidence > 0.0
+                            ? std::min(1.0, moved + span_s / kAt_rest_s)
+                            : std::min({1.0, span_s / params_.evidence_period_s, kAgainst * moved});
   const double weight = known_share * counts;
   right_ *= math::exp(weight * evidence);
   normalise();

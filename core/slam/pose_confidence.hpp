@@ -73,8 +73,8 @@ class PoseConfidence {
   /// @param fit_share    Fit of the scan in what the map knows, over the usual one.
   /// @param known_share  Share of the scan's beams that the map says anything of.
   /// @param span_s       Time that the scan stands for.
-  /// @param seen_anew    How much of a new scan this one counts for where it speaks for the pose, 0 to 1.
-  void observe(double fit_share, double known_share, double span_s, double seen_anew);
+  /// @param moved        Since the scan before: 1 where all is seen from elsewhere, 0 at rest.
+  void observe(double fit_share, double known_share, double span_s, double moved);
 
   /// Probabilities; with that of a drifted pose they sum to 1.
   [[nodiscard]] double right() const { return right_; }

@@ -13,13 +13,12 @@ constexpr double kAmbiguous =
     0.7;  // weight of a motion against its alternatives below which it is taken for one of them
 constexpr double kKnown_min = 0.2;  // share of beams below which a fit in what is known tells little
 
-/// How much of a new scan one counts for after such a motion. A robot at rest is confirmed as well, but slowly.
-double seen_anew(const Motion& motion, double span_s) {
+/// How far from the scan before a scan was taken: 1 where it is a new one.
+double moved(const Motion& motion) {
   constexpr double kTravel_m = 0.3;
   constexpr double kTurn_rad = 0.3;
-  constexpr double kStanding_s = 2.0;
   const Pose2& step = motion.previous_T_current;
-  return std::min(1.0, step.distance_m({}) / kTravel_m + std::abs(step.yaw_rad) / kTurn_rad + span_s / kStanding_s);
+  return step.distance_m({}) / kTravel_m + std::abs(step.yaw_rad) / kTurn_rad;
 }
 
 /// Matched in the narrow search, or then in the wide one.
@@ -95,8 +94,7 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
     const Motion& motion = tracked.motion;
     confidence_.move(motion.probability, motion.previous_T_current.distance_m({}), motion.duration_s());
     const double usual = usual_fit_.value();
-    confidence_.observe(usual > 0.0 ? last_fit_.in_known / usual : 1.0, last_fit_.known_share, span_s,
-                        seen_anew(motion, span_s));
+    confidence_.observe(usual > 0.0 ? last_fit_.in_known / usual : 1.0, last_fit_.known_share, span_s, moved(motion));
   }
   if (state() == Tracking::kSure && last_fit_.known_share > kKnown_min) {
     usual_fit_.add(last_fit_.in_known, span_s);

@@ -8,13 +8,13 @@ namespace odoless {
 namespace {
 
 constexpr double kPeriod_s = 0.2;
-constexpr double kSeen_anew = 0.4;  // of a robot that drives
+constexpr double kDriving = 0.4;  // that a robot has moved by from scan to scan
 
 /// Goes on over scans that fit so well in what is known.
 void scans(int count, double fit_share, PoseConfidence& confidence) {
   for (int i = 0; i < count; ++i) {
     confidence.move(1.0, 0.1, kPeriod_s);
-    confidence.observe(fit_share, 1.0, kPeriod_s, kSeen_anew);
+    confidence.observe(fit_share, 1.0, kPeriod_s, kDriving);
   }
 }
 
@@ -55,13 +55,28 @@ TEST(PoseConfidence, WhatTheMapDoesNotKnowSaysNothing) {
   EXPECT_DOUBLE_EQ(confidence.right(), before);
 }
 
-TEST(PoseConfidence, AScanThatCountsForNothingNewConfirmsNothing) {
-  PoseConfidence confidence{{}};
-  confidence.move(0.5, 0.0, 0.0);
-  for (int i = 0; i < 1000; ++i) {
-    confidence.observe(1.0, 1.0, kPeriod_s, 0.0);
+TEST(PoseConfidence, ARobotAtRestIsConfirmedMoreSlowlyThanOneThatDrives) {
+  PoseConfidence driving{{}};
+  PoseConfidence at_rest{{}};
+  driving.move(0.5, 0.0, 0.0);
+  at_rest.move(0.5, 0.0, 0.0);
+  for (int i = 0; i < 10; ++i) {
+    driving.observe(1.0, 1.0, kPeriod_s, kDriving);
+    at_rest.observe(1.0, 1.0, kPeriod_s, 0.0);
   }
-  EXPECT_NEAR(confidence.right(), 0.5, 0.01);
+  EXPECT_GT(at_rest.right(), 0.52);
+  EXPECT_GT(driving.right(), at_rest.right() + 0.1);
+}
+
+TEST(PoseConfidence, ARobotAtRestIsNotGivenUpBecauseOneCornerDoesNotFit) {
+  PoseConfidence confidence{{}};
+  confidence.move(0.94, 0.0, 0.0);
+  for (int i = 0; i < 1000; ++i) {
+    confidence.observe(0.5, 1.0, kPeriod_s, 0.0);
+  }
+  EXPECT_GT(confidence.right(), 0.9);
+  scans(20, 0.5, confidence);
+  EXPECT_GT(confidence.jumped(), 0.8) << "but where more and more of the map does not fit it is";
 }
 
 TEST(PoseConfidence, AMotionThatIsNotWellKnownLeadsToDrift) {
@@ -76,9 +91,9 @@ TEST(PoseConfidence, CountsScansByTheirTime) {
   PoseConfidence fast{{}};
   slow.move(0.5, 0.0, 0.0);
   fast.move(0.5, 0.0, 0.0);
-  slow.observe(0.3, 1.0, kPeriod_s, 0.0);
+  slow.observe(0.3, 1.0, kPeriod_s, 1.0);
   for (int i = 0; i < 10; ++i) {
-    fast.observe(0.3, 1.0, 0.1 * kPeriod_s, 0.0);
+    fast.observe(0.3, 1.0, 0.1 * kPeriod_s, 0.1);
   }
   EXPECT_NEAR(slow.right(), fast.right(), 1e-9);
 }
