@@ -74,10 +74,16 @@ void FilterInWorld::take(const SubmapGraph& graph) {
   if (claim_ && is_found_since(graph, claimed_after_)) {
     claim_.reset();
   }
+  if (unconfirmed_after_ && is_found_since(graph, *unconfirmed_after_)) {
+    unconfirmed_after_.reset();
+  }
 }
 
-Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan, int placements) {
+Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan, int placements, int unconfirmed) {
   const bool is_placed = std::exchange(placements_, placements).value_or(placements) != placements;
+  if (std::exchange(unconfirmed_, unconfirmed) != unconfirmed) {
+    unconfirmed_after_ = unconfirmed > 0 ? std::optional(places_.empty() ? -1 : places_.back().serial) : std::nullopt;
+  }
   drift_.setZero();
   if (guess_) {
     return *guess_;
@@ -113,7 +119,8 @@ Pose2 FilterInWorld::placed(const Place& place, const Pose2& map_T_odom, const P
 }
 
 double FilterInWorld::within_ok() const {
-  return probability_within(drift_, PoseEstimate::kOk_m, PoseEstimate::kOk_rad);
+  return (unconfirmed_after_ ? PoseEstimate::kUnconfirmed : 1.0) *
+         probability_within(drift_, PoseEstimate::kOk_m, PoseEstimate::kOk_rad);
 }
 
 std::optional<std::size_t> FilterInWorld::nearest(const Pose2& local_T_scan) const {

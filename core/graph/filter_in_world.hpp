@@ -28,12 +28,13 @@ class FilterInWorld {
   /// Whenever the graph may have changed.
   void update(const SubmapGraph& graph);
   /// Every scan, as the filter has it. @param placements  How often the robot was put elsewhere than the motions lead.
-  /// @return  map_T_odom.
-  Pose2 follow(const Pose2& local_T_odom, const Pose2& odom_T_scan, int placements);
+  /// @param unconfirmed  Recovery's. @return  map_T_odom.
+  Pose2 follow(const Pose2& local_T_odom, const Pose2& odom_T_scan, int placements, int unconfirmed);
   /// Of that scan's pose: what the drift may be, over (x_m, y_m, yaw_rad) in the map's axes; what the filter itself is
   /// unsure of comes on top.
   [[nodiscard]] const Eigen::Matrix3d& drift() const { return drift_; }
-  /// That it is within what OK promises.
+  /// That it is within what OK promises. Where the robot was lost and went on without being found, a loop closure from
+  /// beyond that says how what it has mapped since lies to the rest; until then nobody knows.
   [[nodiscard]] double within_ok() const;
   /// A pose of the world in the filter's own map, by the submap that is nearest to it.
   [[nodiscard]] Pose2 to_local(const Pose2& map_T_scan) const;
@@ -65,8 +66,10 @@ class FilterInWorld {
   std::optional<Pose2> begin_;             ///< map_T_odom while there is no submap
   std::optional<Pose2> graph_map_T_odom_;  ///< none behind a motion that is not credible
   std::optional<int> placements_;          ///< with the scan before
-  std::optional<std::size_t> claim_;  ///< since the last: the submap by which the filter has the robot in the world
-  int claimed_after_ = 0;             ///< serial of the newest submap then
+  std::optional<std::size_t> claim_;      ///< since the last: the submap by which the filter has the robot in the world
+  int claimed_after_ = 0;                 ///< serial of the newest submap then
+  int unconfirmed_ = 0;                   ///< with the scan before
+  std::optional<int> unconfirmed_after_;  ///< serial of the newest submap then, until a loop from beyond is closed
 };
 
 }  // namespace odoless

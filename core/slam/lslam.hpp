@@ -42,6 +42,7 @@ struct UpdateReport {
 struct PoseEstimate {
   static constexpr double kOk_m = 0.5;  ///< what OK promises
   static constexpr double kOk_rad = 0.0873;
+  static constexpr double kUnconfirmed = 0.5;  ///< that it is so where Recovery::unconfirmed is not 0
 
   Pose2 map_T_scan;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< over (x_m, y_m, yaw_rad), map axes

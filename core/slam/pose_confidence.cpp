@@ -63,9 +63,8 @@ void PoseConfidence::observe(double fit_share, double known_share, double span_s
   const double evidence = std::min(0.0, against) + std::max(0.0, in_favour);
   // From the same place a scan says the same again: that it fits is confirmed by looking longer, but slowly; where it
   // does not, the map may be wrong there.
-  const double counts = evidence > 0.0
-                            ? std::min(1.0, moved + span_s / kAt_rest_s)
-                            : std::min({1.0, span_s / params_.evidence_period_s, kAgainst * moved});
+  const double counts = evidence > 0.0 ? std::min(1.0, moved + span_s / kAt_rest_s)
+                                       : std::min({1.0, span_s / params_.evidence_period_s, kAgainst * moved});
   const double weight = known_share * counts;
   right_ *= math::exp(weight * evidence);
   normalise();

@@ -60,8 +60,7 @@ Tracking Recovery::state(double agreement) const {
   if (lost_) {
     return Tracking::kLost;
   }
-  const bool is_sure =
-      !unconfirmed_ && !suspected_ && agreement * confidence_.right() >= params_.tracking.sure_probability;
+  const bool is_sure = !suspected_ && agreement * confidence_.right() >= params_.tracking.sure_probability;
   return is_sure ? Tracking::kSure : Tracking::kDoubtful;
 }
 
@@ -90,16 +89,14 @@ Advice Recovery::diagnose(Slam& slam, const TrackedScan& tracked) {
   static_cast<void>(fit_.load(tracked.scan));
   last_fit_ = fit_of(slam.low(), tracked.update_T_scan);
   const double span_s = span_.next_s(tracked.scan.stamp_ns());
-  if (!unconfirmed_) {
-    const Motion& motion = tracked.motion;
-    confidence_.move(motion.probability, motion.previous_T_current.distance_m({}), motion.duration_s());
-    const double usual = usual_fit_.value();
-    confidence_.observe(usual > 0.0 ? last_fit_.in_known / usual : 1.0, last_fit_.known_share, span_s, moved(motion));
-  }
+  const Motion& motion = tracked.motion;
+  confidence_.move(motion.probability, motion.previous_T_current.distance_m({}), motion.duration_s());
+  const double usual = usual_fit_.value();
+  confidence_.observe(usual > 0.0 ? last_fit_.in_known / usual : 1.0, last_fit_.known_share, span_s, moved(motion));
   if (state() == Tracking::kSure && last_fit_.known_share > kKnown_min) {
     usual_fit_.add(last_fit_.in_known, span_s);
   }
-  if (is_suspect(tracked.motion) && !suspected_ && !unconfirmed_) {
+  if (is_suspect(motion) && !suspected_) {
     suspected_ = true;
     relocaliser_.begin(slam, params_.tracking.usual_share * usual_fit_.value());
   }
@@ -174,6 +171,7 @@ Advice Recovery::look_for_it(Slam& slam, const TrackedScan& tracked) {
     }
     confidence_.lose_track();
     unconfirmed_ = true;
+    ++resumptions_;
     lost_ = false;
     slam.low().forget_speed();
     return Advice::kGoOn;

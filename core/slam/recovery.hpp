@@ -59,6 +59,9 @@ class Recovery {
   /// Where with the last scan the robot was found: the time since its pose was last sure, of which nobody knows where
   /// it was. Else 0.
   [[nodiscard]] double unknown_s() const { return unknown_s_; }
+  /// Not 0 where the robot was lost and went on without being found, so that nobody knows how what it maps lies to the
+  /// rest: how often that was so.
+  [[nodiscard]] int unconfirmed() const { return unconfirmed_ ? resumptions_ : 0; }
   /// Whether a step of about the last minute may have been wrong, so that the robot may be where the steps do not lead.
   [[nodiscard]] bool may_be_elsewhere() const;
   /// Of the last scan; 1 before the first.
@@ -92,6 +95,7 @@ class Recovery {
   double unknown_s_ = 0.0;  ///< of it, with the last scan
   double matched_s_ = 0.0;  ///< lost, and every scan has matched the ones before
   int updates_ = 0;
+  int resumptions_ = 0;
   bool lost_ = false;
   bool suspected_ = false;    ///< a step may have been wrong, and the map has not yet shown that no other place fits
   bool unconfirmed_ = false;  ///< it was lost, and went on without being found

@@ -68,9 +68,10 @@ struct RelocaliserParams {
                 "Time for which candidates are followed before one is accepted.");
     visit.value("give_up_after_s", self.give_up_after_s, Range{0.1, 600.0},
                 "Time after which an ambiguous search is repeated.");
-    visit.value("resume_after_s", self.resume_after_s, Range{0.0, 1e6},
-                "Time of good matches after which a robot that could not be relocalised continues from laser odometry, "
-                "in state DEGRADED until it is relocalised or its pose is set; 0: never.");
+    visit.value(
+        "resume_after_s", self.resume_after_s, Range{0.0, 1e6},
+        "Time of good matches after which a robot that could not be relocalised continues from laser odometry, "
+        "in state DEGRADED until a loop closure says where it is, it is relocalised or its pose is set; 0: never.");
     visit.value("spread_m", self.spread_m, Range{0.0, 5.0},
                 "Standard deviation of the particles after relocalisation, along x and y.");
     visit.value("spread_rad", self.spread_rad, Range{0.0, 1.0},

@@ -202,7 +202,7 @@ void GraphFeed::place(PoseRecord& pose) {
     health_.has_drifted = false;
     return;
   }
-  const Pose2 map_T_odom = filter_->follow(pose.map_T_odom, pose.odom_T_scan, pose.placements);
+  const Pose2 map_T_odom = filter_->follow(pose.map_T_odom, pose.odom_T_scan, pose.placements, pose.unconfirmed);
   const double turn_rad = map_T_odom.yaw_rad - pose.map_T_odom.yaw_rad;
   pose.map_T_odom = map_T_odom;
   pose.map_T_scan = map_T_odom * pose.odom_T_scan;

@@ -62,10 +62,11 @@ struct PoseRecord {
   double effective_particles = 0.0;
   double log_likelihood_per_beam = 0.0;
   std::int32_t particles = 0;
-  std::int32_t updated = 0;     ///< 1: this scan was an update
-  LaserPlace laser{};           ///< on the robot
-  std::int32_t map_number = 0;  ///< grows when the map is begun anew
-  std::int32_t placements = 0;  ///< FilterStep's
+  std::int32_t updated = 0;      ///< 1: this scan was an update
+  LaserPlace laser{};            ///< on the robot
+  std::int32_t map_number = 0;   ///< grows when the map is begun anew
+  std::int32_t placements = 0;   ///< FilterStep's
+  std::int32_t unconfirmed = 0;  ///< the same
 };
 
 /// A measured angle of the laser's tilt axis.

@@ -22,7 +22,8 @@ FilterStage::FilterStage(const RobotParams& params, std::uint64_t seed)
     : gate_(params.gate),
       laser_(LaserPlace::of(params.mount)),
       filter_(params.slam, params.scan, seed),
-      recovery_(params.recovery, params.scan, filter_) {}
+      recovery_(params.recovery, params.scan, filter_),
+      is_in_graph_(params.graph.enabled) {}
 
 bool FilterStage::gate_is_open() const {
   const Pose2& update_T_scan = since_update_.previous_T_current;
@@ -109,6 +110,11 @@ FilterStep FilterStage::placed(FilterStep out, const Motion& motion) const {
   const double agreement = estimate.agreement * since_update_.weight() * within_ok(since_update_);
   out.tracking = recovery_.state(agreement);
   out.probability = agreement * recovery_.probability();
+  out.unconfirmed = recovery_.unconfirmed();
+  if (out.unconfirmed > 0 && !is_in_graph_) {
+    out.tracking = std::max(out.tracking, Tracking::kDoubtful);
+    out.probability *= PoseEstimate::kUnconfirmed;
+  }
   out.fit = recovery_.fit();
   return out;
 }

@@ -24,6 +24,7 @@ struct FilterStep {
   /// How often, until now, the robot was put elsewhere than the motions lead: it was found, somebody said where it is,
   /// or other particles survived after a step that may have been wrong.
   int placements = 0;
+  int unconfirmed = 0;     ///< Recovery's: beside a pose graph it is for that to say how probable the pose is then
   double unknown_s = 0.0;  ///< Recovery's, with this scan: the motion since then is not credible, whatever it says
   double fit = 1.0;        ///< ScanFit of the scan; 1 before the first update
   /// Beside a pose graph: what the map may have drifted there (FilterInWorld::drift), and that OK ends by that alone.
@@ -87,6 +88,7 @@ class FilterStage {
   Motion since_scan_{};
   std::int64_t update_stamp_ns_ = 0;
   int placements_ = 0;
+  bool is_in_graph_;    ///< beside a pose graph
   bool begun_ = false;  ///< the first scan, or a command, has said where the map begins
   bool started_ = false;
   bool paused_ = false;

@@ -37,6 +37,7 @@ PoseRecord pose_record_of(const FilterStep& step, const PoseEstimate& estimate, 
   record.particles = stage.filter().particles();
   record.updated = step.updated ? 1 : 0;
   record.placements = step.placements;
+  record.unconfirmed = step.unconfirmed;
   return record;
 }
 

@@ -94,6 +94,40 @@ TEST(FilterStage, SaysThatTheRobotIsElsewhereWhereItWasTold) {
   EXPECT_EQ(stage.process(Motion{}).placements, 1);
 }
 
+/// The last step of a filter that is lost, finds its place nowhere and goes on.
+FilterStep step_after_going_on(bool is_in_graph) {
+  RobotParams params = small_robot();
+  params.graph.enabled = is_in_graph;
+  params.recovery.tracking.updates_min = 5;
+  params.recovery.search.found_fit = 1.0;
+  params.recovery.search.resume_after_s = 1.0;
+  FilterStage stage(params, 1);
+  SimulatedRoom room(4, 120);
+  FilterStep step;
+  bool was_lost = false;
+  for (int i = 0; i < 200; ++i) {
+    room.step();
+    Motion motion = room.motion();
+    motion.set_error(
+        ErrorProcess::independent(motion.previous_T_current, Eigen::Vector3d(1e-5, 1e-5, 1e-6).asDiagonal()));
+    motion.probability = i == 60 ? 0.05 : 1.0;
+    step = stage.process(room.scan(), motion);
+    was_lost = was_lost || step.tracking == Tracking::kLost;
+    EXPECT_EQ(step.unconfirmed, was_lost && step.tracking != Tracking::kLost ? 1 : 0) << i;
+  }
+  EXPECT_TRUE(was_lost);
+  return step;
+}
+
+TEST(FilterStage, LeavesItToThePoseGraphWhetherThePoseIsRightWhereItWentOnWithoutBeingFound) {
+  const FilterStep beside_graph = step_after_going_on(true);
+  EXPECT_EQ(beside_graph.tracking, Tracking::kSure);
+  EXPECT_GT(beside_graph.probability, 0.9);
+  const FilterStep alone = step_after_going_on(false);
+  EXPECT_EQ(alone.tracking, Tracking::kDoubtful);
+  EXPECT_LE(alone.probability, PoseEstimate::kUnconfirmed);
+}
+
 /// Steps of a stage that gets the motions of lost scans one by one, or added up as a full queue does, of which some are
 /// `flags`.
 std::vector<FilterStep> steps_with_lost_scans(bool added_up, MotionFlag flag, bool value) {

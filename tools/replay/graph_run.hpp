@@ -41,7 +41,7 @@ class GraphRun {
       }
     }
     place_.update(graph_);
-    step.map_T_odom = place_.follow(step.map_T_odom, motion.odom_T_current, step.placements);
+    step.map_T_odom = place_.follow(step.map_T_odom, motion.odom_T_current, step.placements, step.unconfirmed);
     step.map_T_scan = step.map_T_odom * motion.odom_T_current;
     step.drift = place_.drift();
     step.probability *= place_.within_ok();

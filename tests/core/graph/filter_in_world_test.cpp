@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/slam/lslam.hpp"
 #include "tests/core/graph/graph_drive.hpp"
 
 namespace odoless {
@@ -21,7 +22,7 @@ class FilterThatIsPlaced : public ::testing::Test {
   /// @return  Where the world has the robot, which the filter has there.
   Pose2 follow(const Pose2& local_T_odom) {
     where_.update(run_.graph);
-    return where_.follow(local_T_odom, odom_T_scan(), placements_) * odom_T_scan();
+    return where_.follow(local_T_odom, odom_T_scan(), placements_, unconfirmed_) * odom_T_scan();
   }
   /// The same of a filter that was put there.
   Pose2 place(const Pose2& local_T_odom) {
@@ -35,6 +36,7 @@ class FilterThatIsPlaced : public ::testing::Test {
   Drive run_{ring(18.0, 10.0), {}};
   FilterInWorld where_{GraphParams{}};
   int placements_ = 0;
+  int unconfirmed_ = 0;
 };
 
 TEST_F(FilterThatIsPlaced, IsFollowed) {
@@ -67,6 +69,26 @@ TEST_F(FilterThatIsPlaced, IsNotFollowedOnceALoopFromBeyondIsClosed) {
   EXPECT_LT(follow(jump).distance_m(odom_T_scan()), 0.3);
 }
 
+// The filter lost the robot for nothing, or it was carried: nobody knows until there is a loop.
+TEST_F(FilterThatIsPlaced, IsUncertainAfterItWentOnUnconfirmedUntilALoopFromBeyondIsClosed) {
+  EXPECT_GT(where_.within_ok(), 0.9);
+  unconfirmed_ = 1;
+  follow({});
+  EXPECT_LE(where_.within_ok(), PoseEstimate::kUnconfirmed);
+  run_.drive({{kRound[0].x_m, kRound[0].y_m}, {kRound[0].x_m + 2.0, kRound[0].y_m}});
+  follow({});
+  EXPECT_LE(where_.within_ok(), PoseEstimate::kUnconfirmed) << "nothing is closed yet";
+  run_.drive(kRound);
+  follow({});
+  EXPECT_GT(where_.within_ok(), 0.9);
+  unconfirmed_ = 2;
+  follow({});
+  EXPECT_LE(where_.within_ok(), PoseEstimate::kUnconfirmed) << "it was lost again";
+  unconfirmed_ = 0;
+  follow({});
+  EXPECT_GT(where_.within_ok(), 0.9) << "and found, or told where it is";
+}
+
 // Other particles survive, though the motions were right.
 TEST_F(FilterThatIsPlaced, IsNotFollowedWhereItJumpsByItself) {
   for (const Pose2& jump : {Pose2{0.0, 0.0, 0.4}, Pose2{4.0, 2.0, 0.5}, Pose2{}}) {
@@ -89,7 +111,7 @@ TEST_F(FilterThatIsPlaced, MayHaveDriftedTheMoreTheFartherItIsFromALoopClosure) 
   for (std::size_t leg = 1; leg < 8; ++leg) {
     open.drive({kRound[(leg - 1) % 4], kRound[leg % 4]});
     where.update(open.graph);
-    static_cast<void>(where.follow({}, open.odom.back().map_T_scan, 0));
+    static_cast<void>(where.follow({}, open.odom.back().map_T_scan, 0, 0));
     drift_m2.push_back(where.drift().topLeftCorner<2, 2>().trace());
     EXPECT_TRUE(leg >= 4 || drift_m2[leg] > drift_m2[leg - 1]) << "after leg " << leg;
   }
@@ -102,7 +124,7 @@ TEST_F(FilterThatIsPlaced, KnowsASlipOfTheLocalMapWithTheNextKeyframe) {
   const auto drift_m2 = [](Drive& drive) {
     FilterInWorld where(GraphParams{});
     where.update(drive.graph);
-    static_cast<void>(where.follow({}, drive.odom.back().map_T_scan, 0));
+    static_cast<void>(where.follow({}, drive.odom.back().map_T_scan, 0, 0));
     return where.drift().topLeftCorner<2, 2>().trace();
   };
   for (const double metres : {1.0, 9.0}) {  // without any submap, and behind one

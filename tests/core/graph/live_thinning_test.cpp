@@ -93,7 +93,7 @@ TEST(LiveThinning, MovesNeitherTheRobotNorWhatStays) {
     for (std::size_t k = 0; k + 1 < kRound.size(); ++k) {
       run.drive({kRound[k], kRound[k + 1]});
       filter.update(run.graph);
-      const Pose2 map_T_scan = filter.follow({}, run.odom.back().map_T_scan, 0) * run.odom.back().map_T_scan;
+      const Pose2 map_T_scan = filter.follow({}, run.odom.back().map_T_scan, 0, 0) * run.odom.back().map_T_scan;
       EXPECT_LT(map_T_scan.distance_m(run.graph.map_T_odom() * run.odom.back().map_T_scan), 1e-9);
       if (std::exchange(thinnings, run.graph.thinnings()) != run.graph.thinnings()) {
         EXPECT_LT(filter.drift()(0, 0), 0.3 * 0.3) << "loop closures hold it still";
