@@ -16,12 +16,14 @@ constexpr double kAgreement_rad = 0.02;
 constexpr double kReach_m = 6.0;    // from a submap's origin
 constexpr std::size_t kNewest = 4;  // submaps that the filter may have had elsewhere before it was put there
 
-/// Whether a loop closure holds a submap from beyond the one that was being made behind this one, by one from before.
+/// Whether a loop closure holds a submap from beyond the one that was being made behind this one, by one from before;
+/// by the first one where that was being made.
 bool is_found_since(const SubmapGraph& graph, int serial) {
   const auto made = static_cast<int>(std::ranges::count_if(
       graph.submaps(), [&](const Submap& each) { return graph.keyframes().serial(each.first_keyframe) <= serial; }));
-  return std::ranges::any_of(graph.graph().constraints(), [made](const Constraint& each) {
-    return each.is_loop && each.holds() && std::min(each.from, each.to) < made && std::max(each.from, each.to) > made;
+  const int before = std::max(1, made);
+  return std::ranges::any_of(graph.graph().constraints(), [=](const Constraint& each) {
+    return each.is_loop && each.holds() && std::min(each.from, each.to) < before && std::max(each.from, each.to) > made;
   });
 }
 

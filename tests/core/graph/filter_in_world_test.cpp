@@ -89,6 +89,25 @@ TEST_F(FilterThatIsPlaced, IsUncertainAfterItWentOnUnconfirmedUntilALoopFromBeyo
   EXPECT_GT(where_.within_ok(), 0.9) << "and found, or told where it is";
 }
 
+TEST_F(FilterThatIsPlaced, IsUncertainUntilThenToWhereItWentOnInTheFirstSubmap) {
+  Drive run(ring(18.0, 10.0), {});
+  FilterInWorld where(GraphParams{});
+  const auto drive = [&](const std::vector<Point2>& way) {
+    run.drive(way);
+    where.update(run.graph);
+    static_cast<void>(where.follow({}, run.odom.back().map_T_scan, 0, 1));
+  };
+  drive({kRound[0], {kRound[0].x_m + 1.0, kRound[0].y_m}});
+  ASSERT_TRUE(run.graph.submaps().empty());
+  EXPECT_LE(where.within_ok(), PoseEstimate::kUnconfirmed);
+  drive({{kRound[0].x_m + 1.0, kRound[0].y_m}, kRound[1]});
+  EXPECT_LE(where.within_ok(), PoseEstimate::kUnconfirmed);
+  for (std::size_t leg = 2; leg < 8; ++leg) {
+    drive({kRound[(leg - 1) % 4], kRound[leg % 4]});
+  }
+  EXPECT_GT(where.within_ok(), PoseEstimate::kUnconfirmed);
+}
+
 // Other particles survive, though the motions were right.
 TEST_F(FilterThatIsPlaced, IsNotFollowedWhereItJumpsByItself) {
   for (const Pose2& jump : {Pose2{0.0, 0.0, 0.4}, Pose2{4.0, 2.0, 0.5}, Pose2{}}) {
