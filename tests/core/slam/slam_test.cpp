@@ -67,6 +67,27 @@ TEST(Slam, WithBothLevelsHasAPosePerUpdateAndStaysOnTrack) {
   EXPECT_FALSE(map.occupancy_percent.empty());
 }
 
+// While the robot is lost: what the map was made of is to be in it before it is searched.
+TEST(Slam, SettlesOnceTheSegmentThatHasBegunIsInTheHighLevel) {
+  Slam low(small_slam(0), kSlamScan, 5);
+  EXPECT_TRUE(low.settle()) << "there is only one level";
+  Slam slam(small_slam(20), kSlamScan, 5);
+  SimulatedRoom room(4, 120);
+  for (int i = 0; i < 10; ++i) {  // a segment has 6
+    room.step();
+    static_cast<void>(slam.update(room.motion(), room.scan()));
+    slam.work();
+  }
+  int calls = 1;
+  for (; !slam.settle() && calls < 1000; ++calls) {
+  }
+  EXPECT_LT(calls, 1000);
+  EXPECT_EQ(slam.high()->report().segments, 2) << "the second has 4";
+  EXPECT_TRUE(slam.settle());
+  EXPECT_EQ(slam.high()->report().segments, 2) << "and there is no more to be done";
+  EXPECT_LT(slam.map_T_scan().distance_m(room.map_T_scan()), 0.25);
+}
+
 TEST(Slam, SegmentsAreDoneBeforeTheNextEndsIfWorkIsCalledOncePerUpdate) {
   Slam slam(small_slam(20), kSlamScan, 5);
   SimulatedRoom room(4, 120);
