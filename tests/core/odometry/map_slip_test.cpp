@@ -78,6 +78,12 @@ TEST_F(MapSlipTest, IsOfTheLargestErrorSinceAScanWasHeldWell) {
   EXPECT_NEAR(match(kFirm, kFirm), 0.1, 1e-3) << "the one before is accounted for";
 }
 
+TEST_F(MapSlipTest, IsNotToldAgainByTheNextMapWhereAMatchThatHoldsBadlyToldItAlready) {
+  EXPECT_EQ(take_key(kWall, covariance(0.4, 0.01)), 0.0);
+  EXPECT_GT(take_key(covariance(0.3, 0.01), covariance(0.2, 0.01)), 0.35);
+  EXPECT_NEAR(match(kFirm, kFirm), 0.2, 0.005) << "what is new since";
+}
+
 TEST_F(MapSlipTest, IsNoneOfAMapThatBeganAnew) {
   EXPECT_EQ(match(kWall, covariance(0.5, 0.01)), 0.0);
   slip_.reset();
