@@ -40,7 +40,7 @@ constexpr std::array<const char*, 28> kReasonTexts{"no scans",
                                                    " or not new",
                                                    "the laser sweeps as it was told, and poses come when it is level",
                                                    "it is not sure yet where the robot is in the world of its file",
-                                                   "the pose may have drifted: no loop was closed for long"};
+                                                   "the pose may have drifted: no loop closure holds it"};
 
 }  // namespace
 

@@ -48,7 +48,7 @@ enum HealthReason : std::uint32_t {
   kReasonNotAuthentic = 1U << 24,   ///< messages are refused that are not of who has the key, or not of now
   kReasonSweep = 1U << 25,          ///< the laser sweeps, as it was told: poses come when it passes the level
   kReasonNotInWorld = 1U << 26,     ///< it is not known for sure yet where the robot is in the world that is continued
-  kReasonDrift = 1U << 27,          ///< the map may have drifted here: no loop closure has held it for long
+  kReasonDrift = 1U << 27,          ///< the map may have drifted here: no loop closure holds it
 };
 
 /// The scan source since start. Rates and ages are taken at the time of the report.
@@ -112,7 +112,7 @@ struct GraphHealth {
   std::int64_t keyframes_left_out = 0;  ///< since start: it was too busy for them
   Pose2 map_T_odom{};                   ///< as the graph has it
   WorldPlaceKnown place = WorldPlaceKnown::kSure;
-  double undrifted = 1.0;  ///< probability that the map has drifted by no more than OK allows where the robot is
+  double undrifted = 1.0;  ///< FilterInWorld::within_ok where the robot is
   bool has_drifted = false;
 };
 

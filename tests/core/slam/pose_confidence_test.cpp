@@ -55,6 +55,15 @@ TEST(PoseConfidence, WhatTheMapDoesNotKnowSaysNothing) {
   EXPECT_DOUBLE_EQ(confidence.right(), before);
 }
 
+TEST(PoseConfidence, AScanThatCountsForNothingNewConfirmsNothing) {
+  PoseConfidence confidence{{}};
+  confidence.move(0.5, 0.0, 0.0);
+  for (int i = 0; i < 1000; ++i) {
+    confidence.observe(1.0, 1.0, 0.0, 0.0);
+  }
+  EXPECT_NEAR(confidence.right(), 0.5, 0.01);
+}
+
 TEST(PoseConfidence, ARobotAtRestIsConfirmedMoreSlowlyThanOneThatDrives) {
   PoseConfidence driving{{}};
   PoseConfidence at_rest{{}};
