@@ -50,7 +50,7 @@ Localiser::Localiser(const GraphParams& params, const ScanParams& scan)
 void Localiser::expect(int component, const Pose2& map_T_scan, const Pose2& odom_T_scan) {
   expected_component_ = component;
   expected_map_T_odom_ = map_T_scan * odom_T_scan.inverse();
-  is_expectation_new_ = true;
+  is_hurried_ = true;
 }
 
 void Localiser::forget() {
@@ -61,6 +61,7 @@ void Localiser::forget() {
   found_.reset();
   guess_.reset();
   expected_map_T_odom_.reset();
+  is_hurried_ = true;
   stage_ = Stage::kIdle;
 }
 
@@ -106,7 +107,7 @@ void Localiser::begin_next_piece(const KeyframeStore& store) {
     ++end;
     is_whole = path_[end - 1].way_m - path_[piece_begin_].way_m >= kPiece_m || end - piece_begin_ == kPieceScans_max;
   }
-  if (!is_whole && !(is_expectation_new_ && end > piece_begin_)) {
+  if (!is_whole && !(is_hurried_ && end > piece_begin_)) {
     return;
   }
   take_piece(piece_begin_, end);
@@ -115,7 +116,7 @@ void Localiser::begin_next_piece(const KeyframeStore& store) {
   ++pieces_;
   std::erase_if(candidates_, [this](const Candidate& each) { return each.piece + kPieces <= pieces_; });
   next_ = 0;
-  is_expectation_new_ = false;
+  is_hurried_ = false;
   stage_ = Stage::kLook;
 }
 

@@ -103,7 +103,7 @@ class Localiser {
   std::int64_t pieces_ = 0;
   std::optional<Pose2> expected_map_T_odom_;
   int expected_component_ = 0;
-  bool is_expectation_new_ = false;
+  bool is_hurried_ = true;  ///< a piece of one scan does: the path has just begun, or somebody has said where it lies
   Stage stage_ = Stage::kIdle;
   int next_ = 0;  ///< submap to be looked at
   std::vector<FoundPlace> places_;

@@ -27,7 +27,7 @@ class RecordedPlaces(unittest.TestCase):
         told, median_s = re.search(r"in (\d+) within 10 s of scans; after ([0-9.]+) s", answer).groups()
         wrong, guessed = re.search(r"guesses +(\d+) of (\d+) scans wrong", answer).groups()
         self.assertGreaterEqual(int(told), 0.9 * PLACES)
-        self.assertLess(float(median_s), 3.0)
+        self.assertLess(float(median_s), 1.0)
         self.assertGreater(int(guessed), 300)
         self.assertEqual(int(wrong), 0)
 

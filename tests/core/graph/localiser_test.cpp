@@ -57,6 +57,25 @@ TEST(Localiser, GuessesWhereTheRobotIs) {
   }
 }
 
+// A robot that was switched on and rests: in a corner what it sees at once does, along a corridor it does not.
+TEST(Localiser, GuessesWhereARobotAtRestIsByItsFirstScan) {
+  int guessed = 0;
+  for (const double x_m : {-10.5, -9.0, -3.0, 3.0, 9.0, 10.5}) {
+    for (const double y_m : {-6.5, 6.5}) {
+      for (const double ahead_m : {-0.01, 0.01}) {
+        Continued run;
+        run.drive({{x_m, y_m}, {x_m + ahead_m, y_m}});
+        EXPECT_FALSE(run.graph.is_joined()) << "one scan makes no place sure";
+        if (run.graph.guess()) {
+          ++guessed;
+          EXPECT_LT(run.error_m(), 0.15) << x_m << ", " << y_m << ", " << ahead_m;
+        }
+      }
+    }
+  }
+  EXPECT_GE(guessed, 6);
+}
+
 TEST(Localiser, IsSureAfterAWhileAndHasAllOfThePathWhereTheRobotWas) {
   Continued run;
   run.drive({{-10.5, 2.0}, {-10.5, -6.5}, {10.5, -6.5}, {10.5, 2.0}});
