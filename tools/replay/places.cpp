@@ -16,6 +16,14 @@ namespace {
 
 double seconds_of(std::int64_t stamp_ns) { return static_cast<double>(stamp_ns) * 1e-9; }
 
+bool is_seen(const SubmapWorld& world, const std::optional<Pose2>& map_T_scan) {
+  bool is_near = false;
+  for_each_keyframe(world, [&](int, const Pose2& map_T_keyframe) {
+    is_near = is_near || (map_T_scan && map_T_keyframe.distance_m(*map_T_scan) <= TriedPlace::kSeen_m);
+  });
+  return is_near;
+}
+
 TriedPlace try_place(const KnownDrive& drive, std::size_t first, Mapper mapper, const PlacesParams& wanted) {
   const std::vector<LogScan>& scans = drive.log.scans;
   TriedPlace place{.stamp_s = seconds_of(scans[first].stamp_ns)};
@@ -61,7 +69,10 @@ std::vector<TriedPlace> try_places(const KnownDrive& drive, const StoredWorld& w
     if (!mapper.resume(world.world(), WorldUse::kLocalise, std::nullopt)) {
       throw UsageError("the world has no room: " + no_room_sentence(world, params.graph));
     }
-    places.push_back(try_place(drive, rng.below(starts), std::move(mapper), wanted));
+    const std::size_t first = rng.below(starts);
+    places.push_back(try_place(drive, first, std::move(mapper), wanted));
+    places.back().is_seen =
+        is_seen(world.world(), drive.truth.nearest(seconds_of(scans[first].stamp_ns), wanted.tolerance_s));
     progress(i + 1);
   }
   return places;
@@ -73,6 +84,8 @@ Report report(const std::vector<TriedPlace>& tried, const PlacesParams& wanted) 
   std::vector<double> sure_s;
   TriedPlace sum;
   int soon = 0;
+  int seen = 0;
+  int seen_soon = 0;
   int wrong = 0;
   Report out;
   for (const TriedPlace& each : tried) {
@@ -83,11 +96,15 @@ Report report(const std::vector<TriedPlace>& tried, const PlacesParams& wanted) 
     if (each.sure_after_s >= 0.0) {
       sure_s.push_back(each.sure_after_s);
     }
-    soon += each.told_after_s >= 0.0 && each.told_after_s <= wanted.in_time_s ? 1 : 0;
+    const bool is_soon = each.told_after_s >= 0.0 && each.told_after_s <= wanted.in_time_s;
+    soon += is_soon ? 1 : 0;
+    seen += each.is_seen ? 1 : 0;
+    seen_soon += is_soon && each.is_seen ? 1 : 0;
     wrong += each.wrong_scans > 0 ? 1 : 0;
     sum.guessed_scans += each.guessed_scans;
     sum.wrong_guesses += each.wrong_guesses;
     out.json["places"].push_back({{"stamp_s", each.stamp_s},
+                                  {"seen", each.is_seen},
                                   {"told_after_s", each.told_after_s},
                                   {"sure_after_s", each.sure_after_s},
                                   {"wrong_scans", each.wrong_scans}});
@@ -99,14 +116,18 @@ Report report(const std::vector<TriedPlace>& tried, const PlacesParams& wanted) 
   const Statistics error = summarise(std::move(errors_m));
   out.text = fmt::format(
       "right pose       in {} of {} places, in {} within {} s of scans; after {:.1f} s (median), {:.1f} s (95 %)\n"
+      "seen before      {} of {} places (a scan of the world is from within {} m): the right pose within {} s in {} of "
+      "these\n"
       "state OK         in {} of {} places; after {:.1f} s (median), {:.1f} s (95 %)\n"
       "wrong while OK   in {} of {} places; error {:.3f} m (median), {:.3f} m (95 %), {:.3f} m (largest)\n"
       "guesses          {} of {} scans wrong",
-      told, tried.size(), soon, wanted.in_time_s, told_after.median, told_after.percentile_95, sure, tried.size(),
-      sure_after.median, sure_after.percentile_95, wrong, tried.size(), error.median, error.percentile_95, error.max,
-      sum.wrong_guesses, sum.guessed_scans);
+      told, tried.size(), soon, wanted.in_time_s, told_after.median, told_after.percentile_95, seen, tried.size(),
+      TriedPlace::kSeen_m, wanted.in_time_s, seen_soon, sure, tried.size(), sure_after.median, sure_after.percentile_95,
+      wrong, tried.size(), error.median, error.percentile_95, error.max, sum.wrong_guesses, sum.guessed_scans);
   out.json["told"] = told;
   out.json["told_in_time"] = soon;
+  out.json["seen"] = seen;
+  out.json["seen_told_in_time"] = seen_soon;
   out.json["sure"] = sure;
   out.json["wrong"] = wrong;
   out.json["error_median_m"] = error.median;

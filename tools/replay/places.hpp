@@ -28,7 +28,10 @@ struct PlacesParams {
 
 /// One place of the log, from which on the robot was looked for.
 struct TriedPlace {
+  static constexpr double kSeen_m = 2.0;
+
   double stamp_s = 0.0;
+  bool is_seen = false;            ///< the world has a scan from within kSeen_m: in a part that it knows
   double told_after_s = -1.0;      ///< until the first right pose, a guess (DEGRADED) or OK; negative: none
   double sure_after_s = -1.0;      ///< until the state is OK; negative: never
   int guessed_scans = 0;           ///< with a pose, but not OK
@@ -45,7 +48,7 @@ struct TriedPlace {
                                                  const RobotParams& params, const PlacesParams& wanted,
                                                  const std::function<void(int done)>& progress);
 
-/// How many were found, in time, and right.
+/// How many were found, in time, and right; of all, and of those that the world has seen.
 [[nodiscard]] Report report(const std::vector<TriedPlace>& tried, const PlacesParams& wanted);
 
 }  // namespace odoless
