@@ -86,6 +86,26 @@ TEST(SerialPort, TakesAnyRate) {
   EXPECT_EQ(set_serial_baud(-1, 9600), Errc::kBaudRefused);
 }
 
+// As a modem's program may have left it: a lost handshake line would keep a laser silent, a second stop bit slow it
+// down.
+TEST(SerialPort, LeavesNothingOfWhatTheLineWasSetToBefore) {
+  const Terminal terminal;
+  const FileDescriptor other(::open(terminal.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK));
+  termios2 settings{};
+  ASSERT_EQ(::ioctl(other.get(), TCGETS2, &settings), 0);
+  settings.c_cflag |= CSTOPB | CRTSCTS | HUPCL;
+  settings.c_iflag |= IXON | ICRNL;
+  settings.c_lflag |= ECHO | ICANON;
+  ASSERT_EQ(::ioctl(other.get(), TCSETS2, &settings), 0);
+  ASSERT_TRUE(open_serial({.path = terminal.path}).ok());
+  ASSERT_EQ(::ioctl(other.get(), TCGETS2, &settings), 0);
+  EXPECT_EQ(settings.c_cflag & (CSIZE | CSTOPB | CRTSCTS | HUPCL | PARENB), tcflag_t{CS8});
+  EXPECT_EQ(settings.c_cflag & (CREAD | CLOCAL), tcflag_t{CREAD | CLOCAL});
+  EXPECT_EQ(settings.c_iflag, tcflag_t{IGNPAR});
+  EXPECT_EQ(settings.c_oflag, tcflag_t{0});
+  EXPECT_EQ(settings.c_lflag, tcflag_t{0});
+}
+
 // What real drivers answer where they cannot have a rate: a nearer one, 9600, or the one before.
 TEST(SerialPort, TellsARateThatTheHardwareRoundsFromOneThatItCannotHave) {
   EXPECT_TRUE(baud_fits(500000, 500000));
