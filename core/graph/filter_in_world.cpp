@@ -87,11 +87,8 @@ Pose2 FilterInWorld::follow(const Pose2& local_T_odom, const Pose2& odom_T_scan,
     unconfirmed_after_ = unconfirmed > 0 ? std::optional(places_.empty() ? -1 : places_.back().serial) : std::nullopt;
   }
   drift_.setZero();
-  if (guess_) {
-    return *guess_;
-  }
-  if (places_.empty()) {
-    const Pose2 map_T_odom = begin_.value_or(local_T_odom);
+  if (guess_ || places_.empty()) {
+    const Pose2 map_T_odom = guess_.value_or(begin_.value_or(local_T_odom));
     drift_.topLeftCorner<2, 2>() = turned(odom_slip_, map_T_odom.yaw_rad);
     return map_T_odom;
   }

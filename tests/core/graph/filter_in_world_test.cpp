@@ -33,6 +33,14 @@ class FilterThatIsPlaced : public ::testing::Test {
   /// For a filter that has the robot there.
   [[nodiscard]] Pose2 local_T_odom(const Pose2& local_T_scan) const { return local_T_scan * odom_T_scan().inverse(); }
 
+  /// How far a pose may have drifted where a drive has ended.
+  [[nodiscard]] static double drift_m2(const Drive& drive) {
+    FilterInWorld where(GraphParams{});
+    where.update(drive.graph);
+    static_cast<void>(where.follow({}, drive.odom.back().map_T_scan, 0, 0));
+    return where.drift().topLeftCorner<2, 2>().trace();
+  }
+
   Drive run_{ring(18.0, 10.0), {}};
   FilterInWorld where_{GraphParams{}};
   int placements_ = 0;
@@ -140,12 +148,6 @@ TEST_F(FilterThatIsPlaced, MayHaveDriftedTheMoreTheFartherItIsFromALoopClosure) 
 
 // Not only when the submap that it is in has ended.
 TEST_F(FilterThatIsPlaced, KnowsASlipOfTheLocalMapWithTheNextKeyframe) {
-  const auto drift_m2 = [](Drive& drive) {
-    FilterInWorld where(GraphParams{});
-    where.update(drive.graph);
-    static_cast<void>(where.follow({}, drive.odom.back().map_T_scan, 0, 0));
-    return where.drift().topLeftCorner<2, 2>().trace();
-  };
   for (const double metres : {1.0, 9.0}) {  // without any submap, and behind one
     Drive drive(ring(18.0, 10.0), {});
     drive.drive({kRound[0], {kRound[0].x_m + metres, kRound[0].y_m}});
@@ -157,6 +159,19 @@ TEST_F(FilterThatIsPlaced, KnowsASlipOfTheLocalMapWithTheNextKeyframe) {
     const double slip_m2 = metres > 5.0 ? 0.09 : 0.0;  // the map begins where the first submap has its origin
     EXPECT_NEAR(drift_m2(drive) - before_m2, slip_m2, 0.02) << metres << ": and when that submap has ended";
   }
+}
+
+TEST_F(FilterThatIsPlaced, KnowsASlipOfTheLocalMapWhereItsPlaceInTheWorldIsAGuess) {
+  run_.graph.finish();
+  Drive drive(ring(18.0, 10.0), {});
+  ASSERT_TRUE(drive.graph.resume(run_.graph.world()));
+  drive.drive({{-10.5, 2.0}, {-10.5, -1.0}});
+  ASSERT_TRUE(drive.graph.guess());
+  const double before_m2 = drift_m2(drive);
+  drive.map_slip_m2 = 0.09;
+  drive.drive({{-10.5, -1.0}, {-10.5, -2.0}});
+  ASSERT_TRUE(drive.graph.guess());
+  EXPECT_NEAR(drift_m2(drive) - before_m2, 0.09, 0.01);
 }
 
 TEST_F(FilterThatIsPlaced, HasAPlaceForEachPoseOfTheWorld) {
