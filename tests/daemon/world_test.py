@@ -22,7 +22,6 @@ from fault_matrix import measured  # found by support
 
 EX_USAGE, EX_DATAERR, EX_UNAVAILABLE, EX_CANTCREAT, EX_CONFIG = 64, 65, 69, 73, 78
 KILLS = int(os.environ.get("ODOLESS_KILLS", "10"))
-LOST_S = 2.0  # that a power cut may take
 RETURNS = 3
 FOUND_S = 30
 WRONG_M, WRONG_DEG = 0.5, 5.0
@@ -245,30 +244,27 @@ class World(WorldCase):
         shutil.copyfile(self.path("w"), self.path("w.synced"))
         self.start_laser("--truth", self.path("truth.tum"))
         environment = self.faulty_disk(at=self.path("w"))
-        lost_s, must_have_scans, said = [], [], []
+        lost_s, said = [], []
         for kill in range(KILLS):
             self.disk("slow" if kill % 2 else "sound")
             daemon = self.start_daemon("--world", self.path("w"), environment=environment)
             self.wait_until(lambda: self.count_in_time(f"odometry WHERE session = {kill + 2}") > 0, 20)
-            begun_ns = time.time_ns()
             time.sleep(chance.uniform(0.0, 2.5))
             said.append(self.status_json())
             daemon.kill()
             killed_ns = time.time_ns()
             daemon.wait()
-            has_power = chance.random() >= 0.5
-            if not has_power:
+            if chance.random() < 0.5:
                 self.cut_power()
-            must_have_scans.append(has_power or (killed_ns - begun_ns) * 1e-9 > LOST_S)
             self.world("check", self.path("w"))
             lost_s.append((killed_ns - self.last_stamp_ns()) * 1e-9)
         print(f"  {KILLS} kills and power cuts: the last {max(lost_s):.1f} s were lost at most")
         measured(36, "lost", max(lost_s), "s")
-        self.assertLess(max(lost_s), LOST_S)
+        self.assertLess(max(lost_s), 2.0)
         sessions = json.loads(self.world("info", self.path("w"), "--json").stdout)["sessions"]
         self.assertEqual(len(sessions), 1 + KILLS)
-        for each, must_have in zip(sessions, [True, *must_have_scans]):
-            self.assertTrue(each["scans"] > 0 or not must_have, each)
+        for each in sessions:
+            self.assertGreater(each["scans"], 0)
         self.disk("sound")
         self.start_daemon("--world", self.path("w"), environment=environment)
         self.wait_until(lambda: self.state().startswith("OK"), FOUND_S)
