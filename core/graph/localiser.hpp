@@ -23,11 +23,11 @@ struct PieceMatch {
 };
 
 /// Finds out where a path lies in a world of which it is no part yet: global localisation. The path is cut into pieces
-/// of about a metre, each of which is searched in all submaps and matched where it may be. What a match is worth is the
-/// logarithm of the odds that it is right, by its score and by how many of the piece's beams it explains. Where matches
-/// of several pieces agree on where the odom frame lies, are worth enough together, and no other place comes near, the
-/// last metres of the path are matched there as a whole; only if they fit too the path is found: a single match is
-/// often wrong where the right place is not in the world.
+/// of about a metre, but for its first scan, which is one by itself. Each is searched in all submaps and matched
+/// where it may be. What a match is worth is the logarithm of the odds that it is right, by its score and by
+/// how many of the piece's beams it explains. Where matches of several pieces agree on where the odom frame lies, are
+/// worth enough together, and no other place comes near, the last metres of the path are matched there as a whole; only
+/// if they fit too the path is found: a single match is often wrong where the right place is not in the world.
 ///
 /// Thread: owned by one thread. Not for real-time threads: one step of the work takes up to 20 ms. Memory is fixed at
 /// construction, but for scratch.
@@ -72,7 +72,7 @@ class Localiser {
     bool is_sure = false;  ///< enough to be found, if the path as a whole fits there
   };
 
-  /// If there is none and the path that was not searched yet is long enough.
+  /// If there is none, and the path that was not searched yet is long enough or the search is hurried.
   void begin_next_piece(const KeyframeStore& store);
   /// That part of the path, about its middle.
   void take_piece(std::size_t begin, std::size_t end);

@@ -57,7 +57,7 @@ TEST(Localiser, GuessesWhereTheRobotIs) {
   }
 }
 
-// A robot that was switched on and rests: in a corner what it sees at once does, along a corridor it does not.
+// A robot that was switched on and rests. Where a corner is in view one scan is enough; none of these guesses is wrong.
 TEST(Localiser, GuessesWhereARobotAtRestIsByItsFirstScan) {
   int guessed = 0;
   for (const double x_m : {-10.5, -9.0, -3.0, 3.0, 9.0, 10.5}) {
