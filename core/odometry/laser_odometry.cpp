@@ -92,7 +92,7 @@ Motion LaserOdometry::process(ScanFrame& scan, const Deadline& deadline, Rng& rn
   const Estimate prediction = predict(period_s);
   const Pose2 odom_T_key = map_.reference.empty() ? odom_T_scan_ : map_.odom_T_key;
   const Pose2 key_T_scan = odom_T_key.inverse() * prediction.odom_T_scan;
-  const double unobserved_s = unobserved_period_s(scan, period_s);
+  const double unobserved_s = scan.unobserved_s() + period_s;
   MotionReach reach = expected_reach(unobserved_s);
   reach.distance_m += math::hypot(speed_x_mps_, speed_y_mps_) * motion.duration_sd_s;  // driven so much longer, or less
   reach.rotation_rad += std::abs(speed_yaw_radps_) * motion.duration_sd_s;
@@ -150,13 +150,6 @@ Result<MatchResult> LaserOdometry::match_deskewed(ScanFrame& scan, const Expecta
     best = other;
   }
   return best;
-}
-
-// A laser that repeats a scan says nothing of the motion meanwhile.
-double LaserOdometry::unobserved_period_s(const ScanFrame& scan, double period_s) {
-  const double unobserved_s = stale_s_ + period_s;
-  stale_s_ = scan.is_stale() ? unobserved_s : 0.0;
-  return scan.is_stale() ? period_s : unobserved_s;
 }
 
 void LaserOdometry::judge(const Result<MatchResult>& match, const Pose2& odom_T_key, double period_s, Motion& motion) {

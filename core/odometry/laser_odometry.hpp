@@ -109,8 +109,6 @@ class LaserOdometry {
   /// too. It stays as it fits best.
   [[nodiscard]] Result<MatchResult> match_deskewed(ScanFrame& scan, const Expectation& expected, double period_s,
                                                    const Deadline& deadline, Rng& rng);
-  /// Since the last scan that was no repetition; of a repetition since the last scan.
-  [[nodiscard]] double unobserved_period_s(const ScanFrame& scan, double period_s);
   /// Of a step to this scan: the motion from the middle of the sweep before to the middle of this one.
   [[nodiscard]] Pose2 between_middles(const Pose2& step, const ScanFrame& scan) const;
   void remember(const ScanFrame& scan, const Motion& motion, double period_s);
@@ -146,7 +144,6 @@ class LaserOdometry {
   bool has_speed_ = false;  ///< before the first match it may be any
   Pose2 to_middle_{};       ///< of the last scan, of which the motion was taken out
   int poor_in_a_row_ = 0;
-  double stale_s_ = 0.0;  ///< for which the laser has repeated a scan
   UsualLevel usual_score_{kScore_memory_s};
   ErrorProcess::Matrix covariance_ = ErrorProcess::Matrix::Zero();  ///< of the error of odom_T_scan_ and the speed
 };

@@ -52,7 +52,7 @@ Errc ScanFrame::assign(const RawScan& raw) {
   }
   stamp_ns_ = raw.stamp_ns;
   time_ = ScanTime{.time_ns = raw.stamp_ns};
-  stale_ = false;
+  unobserved_s_ = 0.0;
   first_beam_ns_ = raw.first_beam_ns;
   beam_period_ns_ = raw.beam_period_ns;
   deskewed_s_ = 0.0;

@@ -78,9 +78,10 @@ class ScanFrame {
   [[nodiscard]] std::int64_t time_ns() const { return time_.time_ns; }
   /// Standard deviation of `time_ns` against the scans about it (ScanTime).
   [[nodiscard]] double time_sd_s() const { return time_.sd_s; }
-  /// Whether the laser repeats an older scan, which tells nothing of now; `assign` says that it does not.
-  [[nodiscard]] bool is_stale() const { return stale_; }
-  void set_stale(bool stale) { stale_ = stale; }
+  /// For how long, up to the scan before, the laser showed an older one, which tells nothing of its time; 0 from
+  /// `assign` on.
+  [[nodiscard]] double unobserved_s() const { return unobserved_s_; }
+  void set_unobserved_s(double unobserved_s) { unobserved_s_ = unobserved_s; }
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] int returns() const { return returns_; }
   [[nodiscard]] double angle_rad(int beam) const { return start_angle_rad_ + beam * angle_step_rad_; }
@@ -104,7 +105,7 @@ class ScanFrame {
   ScanParams params_;
   std::int64_t stamp_ns_ = 0;
   ScanTime time_{};
-  bool stale_ = false;
+  double unobserved_s_ = 0.0;
   double start_angle_rad_ = 0.0;
   double angle_step_rad_ = 0.0;
   std::int64_t first_beam_ns_ = 0;

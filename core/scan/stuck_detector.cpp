@@ -10,7 +10,8 @@ constexpr double kSame_share = 0.9;
 constexpr double kSame_share_fine = 0.6;
 constexpr float kFine_m = 0.005F;
 constexpr float kQuiet_share = 0.4F;  // of the quietest scans' change
-constexpr int kAccepted_scans = 60;   // in a row, after which so little change is what the laser's noise is
+constexpr int kAccepted_scans = 60;   // in a row, after which so little change is taken for the laser's noise
+constexpr float kLeap = 3.0F;         // of the quietest scans' change: a scene that is seen anew after a while
 constexpr std::size_t kReturns_min = 8;
 
 bool is_range(float range_m) { return std::isfinite(range_m) && range_m > 0.0F; }
@@ -32,6 +33,7 @@ void StuckDetector::add(std::span<const float> ranges_m) {
     }
   }
   last_m_.assign(ranges_m.begin(), ranges_m.end());
+  was_stuck_ = repeats_;  // if this one does not
   repeats_ = is_too_quiet_ = false;
   if (changes_m_.size() < kReturns_min) {
     return;
@@ -44,7 +46,7 @@ void StuckDetector::add(std::span<const float> ranges_m) {
   }
   const double same_share = finest_m_ <= kFine_m ? kSame_share_fine : kSame_share;
   repeats_ = same >= same_share * static_cast<double>(changes_m_.size());
-  is_too_quiet_ = is_unlike_its_noise(*middle);
+  is_too_quiet_ = !repeats_ && is_unlike_its_noise(*middle);
 }
 
 bool StuckDetector::is_unlike_its_noise(float change_m) {
@@ -54,11 +56,16 @@ bool StuckDetector::is_unlike_its_noise(float change_m) {
   if (++scans_ < 3) {
     return false;
   }
-  if (quietest_m_ && change_m < kQuiet_share * *quietest_m_ && ++quiet_in_a_row_ < kAccepted_scans) {
-    return true;
+  if (quietest_m_ && change_m < kQuiet_share * *quietest_m_) {
+    loudest_quiet_m_ = std::max(loudest_quiet_m_, change_m);
+    return ++quiet_in_a_row_ < kAccepted_scans;
   }
+  const bool has_leapt = quietest_m_ && change_m >= kLeap * *quietest_m_;
+  const bool were_live = quiet_in_a_row_ > 0 && !has_leapt;
+  was_stuck_ = was_stuck_ || (quiet_in_a_row_ > 0 && has_leapt);
+  quietest_m_ = std::min(quietest_m_.value_or(recent_m), were_live ? loudest_quiet_m_ : recent_m);
   quiet_in_a_row_ = 0;
-  quietest_m_ = std::min(quietest_m_.value_or(recent_m), recent_m);
+  loudest_quiet_m_ = 0.0F;
   return false;
 }
 

@@ -15,7 +15,9 @@ namespace odoless {
 /// Two signs, from scan to scan: nine of ten returns are the very same number, which no scene does (of recorded logs
 /// of lasers that round to 1 cm, no two scans have more than 83 % in common), or six of ten, where the laser tells
 /// millimetres (46 % at most, but for scans that a URG-04LX did repeat whole); or returns differ by much less than
-/// this laser's quietest scans did, which a scene that comes to rest for the first time does for a while, too.
+/// this laser's quietest scans did, which a scene that comes to rest for the first time does for a while, too. Where
+/// the next scan that differs more shows the same scene, that was the laser's noise, and it is what the quietest scans
+/// have from then on.
 ///
 /// Thread: owned by one thread. Real time: no allocation after construction; linear in the beams.
 class StuckDetector {
@@ -29,6 +31,11 @@ class StuckDetector {
   [[nodiscard]] bool repeats() const { return repeats_; }
   /// The laser repeats itself, for sure or by its lack of noise.
   [[nodiscard]] bool is_suspect() const { return repeats_ || is_too_quiet_; }
+  /// Suspect, or so for so long by its lack of noise that it is taken for a scene at rest.
+  [[nodiscard]] bool may_be_stuck() const { return repeats_ || quiet_in_a_row_ > 0; }
+  /// The last scan is none of these, but those before it told nothing of their time: for sure, or since it shows
+  /// another scene.
+  [[nodiscard]] bool was_stuck() const { return was_stuck_ && !may_be_stuck(); }
 
  private:
   [[nodiscard]] bool is_unlike_its_noise(float change_m);
@@ -40,6 +47,8 @@ class StuckDetector {
   std::array<float, 2> recent_m_{};    ///< of the two scans before
   int scans_ = 0;
   int quiet_in_a_row_ = 0;
+  float loudest_quiet_m_ = 0.0F;  ///< change within these
+  bool was_stuck_ = false;
   bool repeats_ = false;
   bool is_too_quiet_ = false;
 };

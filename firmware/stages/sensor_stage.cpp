@@ -65,7 +65,11 @@ void SensorStage::observe(const RawScan& raw, std::uint64_t digest, std::int64_t
   earlier_in_a_row_ = 0;
   last_scan_ns_ = now_ns;
   stuck_.add(raw.ranges_m);
-  frame.set_stale(stuck_.repeats());
+  if (stuck_.was_stuck()) {
+    frame.set_unobserved_s(static_cast<double>(last_time_ns_ - seen_ns_) * 1e-9);
+  }
+  last_time_ns_ = frame.time_ns();
+  seen_ns_ = stuck_.may_be_stuck() ? seen_ns_ : last_time_ns_;
   stuck_in_a_row_ = stuck_.is_suspect() ? stuck_in_a_row_ + 1 : 0;
   blind_in_a_row_ = frame.returns() < kBlindShare * frame.size() ? blind_in_a_row_ + 1 : 0;
 }

@@ -64,6 +64,8 @@ class SensorStage {
   std::uint64_t last_digest_ = 0;
   StuckDetector stuck_;
   int stuck_in_a_row_ = 0;
+  std::int64_t last_time_ns_ = 0;  ///< of the last scan
+  std::int64_t seen_ns_ = 0;       ///< of the last one that no stuck laser can have sent
   int blind_in_a_row_ = 0;
 };
 

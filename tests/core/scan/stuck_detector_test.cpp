@@ -89,6 +89,40 @@ TEST_F(StuckDetectorTest, ASceneThatComesToRestIsNoLongerSuspectAfterAWhile) {
   EXPECT_FALSE(detector_.is_suspect());
 }
 
+// A robot that halts now and then, with a laser that is never stuck.
+TEST_F(StuckDetectorTest, QuietScansThatTheSameSceneFollowsAreSuspectOnceOnly) {
+  int suspects = 0;
+  for (int halt = 0; halt < 20; ++halt) {
+    for (int i = 0; i < 10; ++i) {
+      detector_.add(scan(3.0 + 0.05 * (10 * halt + i), 0.01));
+      EXPECT_FALSE(detector_.is_suspect()) << halt;
+    }
+    for (int i = 0; i < 5; ++i) {
+      detector_.add(scan(3.45 + 0.5 * halt, 0.01));
+      suspects += detector_.is_suspect() ? 1 : 0;
+    }
+  }
+  EXPECT_GE(suspects, 1);
+  EXPECT_LE(suspects, 5);
+}
+
+TEST_F(StuckDetectorTest, QuietScansThatAnotherSceneFollowsAreSuspectAgain) {
+  for (int halt = 0; halt < 3; ++halt) {
+    for (int i = 0; i < 10; ++i) {
+      detector_.add(scan(3.0 + 5.0 * halt + 0.05 * i, 0.01));
+    }
+    const std::vector<float> stuck = scan(3.45 + 5.0 * halt, 0.01);
+    for (int i = 0; i < 10; ++i) {
+      std::vector<float> noisy = stuck;
+      for (float& range_m : noisy) {
+        range_m += static_cast<float>(0.005 * rng_.normal());
+      }
+      detector_.add(noisy);
+      EXPECT_TRUE(i == 0 || detector_.is_suspect()) << halt << ", " << i;
+    }
+  }
+}
+
 TEST_F(StuckDetectorTest, WithoutReturnsOrWithOtherBeamsItSaysNothing) {
   const std::vector<float> nothing(kSweepBeams, INFINITY);
   detector_.add(nothing);
