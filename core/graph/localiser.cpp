@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/graph/world_parts.hpp"
 #include "core/math/elementary.hpp"
 
 namespace odoless {
@@ -122,6 +123,12 @@ void Localiser::begin_next_piece(const KeyframeStore& store) {
 
 bool Localiser::work(const SubmapWorld& world, int submaps, SubmapMatcher& matcher, Rng& rng) {
   if (stage_ == Stage::kLook) {
+    if (next_ == 0) {
+      tells_ = tell_places(world, submaps);
+    }
+    while (next_ < submaps && !tells_[static_cast<std::size_t>(next_)]) {
+      ++next_;
+    }
     if (next_ < submaps) {
       search_.look(world, next_++);
     }

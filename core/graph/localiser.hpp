@@ -23,11 +23,12 @@ struct PieceMatch {
 };
 
 /// Finds out where a path lies in a world of which it is no part yet: global localisation. The path is cut into pieces
-/// of about a metre, but for its first scan, which is one by itself. Each is searched in all submaps and matched
-/// where it may be. What a match is worth is the logarithm of the odds that it is right, by its score and by
-/// how many of the piece's beams it explains. Where matches of several pieces agree on where the odom frame lies, are
-/// worth enough together, and no other place comes near, the last metres of the path are matched there as a whole; only
-/// if they fit too the path is found: a single match is often wrong where the right place is not in the world.
+/// of about a metre, but for its first scan, which is one by itself. Each is searched in all submaps that tell places
+/// (world_parts.hpp) and matched where it may be. What a match is worth is the logarithm of the odds that it is right,
+/// by its score and by how many of the piece's beams it explains. Where matches of several pieces agree on where the
+/// odom frame lies, are worth enough together, and no other place comes near, the last metres of the path are matched
+/// there as a whole; only if they fit too the path is found: a single match is often wrong where the right place is not
+/// in the world.
 ///
 /// Thread: owned by one thread. Not for real-time threads: one step of the work takes up to 20 ms. Memory is fixed at
 /// construction, but for scratch.
@@ -105,7 +106,8 @@ class Localiser {
   int expected_component_ = 0;
   bool is_hurried_ = true;  ///< a piece of one scan does: the path has just begun, or somebody has said where it lies
   Stage stage_ = Stage::kIdle;
-  int next_ = 0;  ///< submap to be looked at
+  int next_ = 0;             ///< submap to be looked at
+  std::vector<bool> tells_;  ///< of those, whether the piece may be at it
   std::vector<FoundPlace> places_;
   std::vector<Candidate> candidates_;
   Agreement agreement_;  ///< to be verified

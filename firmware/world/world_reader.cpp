@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/graph/world_parts.hpp"
 #include "firmware/world/world_blobs.hpp"
 
 namespace odoless {
@@ -301,8 +302,10 @@ class Reader {
 WorldReading read_world(WorldFile& file, const RobotParams& params) { return Reader(file.database(), params).read(); }
 
 std::optional<PlaceBySubmap> last_place(const StoredWorld& world) {
-  const auto last = std::find_if(world.sessions.rbegin(), world.sessions.rend(),
-                                 [](const StoredSession& each) { return each.submaps > 0; });
+  const std::vector<bool> tells = tell_places(world.world(), world.graph.size());
+  const auto last = std::find_if(world.sessions.rbegin(), world.sessions.rend(), [&](const StoredSession& each) {
+    return each.submaps > 0 && tells[static_cast<std::size_t>(each.first_submap + each.submaps - 1)];
+  });
   if (last == world.sessions.rend()) {
     return std::nullopt;
   }

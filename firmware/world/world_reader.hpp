@@ -21,7 +21,7 @@ struct WorldReading {
 /// @param params  How these are made.
 [[nodiscard]] WorldReading read_world(WorldFile& file, const RobotParams& params);
 
-/// Where the robot was last; none where the world has no submap.
+/// Where the robot was last at a place that tells where it is (world_parts.hpp); none where the world has no submap.
 [[nodiscard]] std::optional<PlaceBySubmap> last_place(const StoredWorld& world);
 
 /// Submaps that are joined to one by constraints that hold, in their order.

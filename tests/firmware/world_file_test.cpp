@@ -246,8 +246,13 @@ TEST_F(World, SaysWhereTheRobotWasLast) {
   graph_.finish();
   const std::vector<StampedPose> odometry = odometry_;
   write(graph_);
+  SubmapGraph brief(params().graph, RobotLimits{}, ScanParams{}, 1);
+  drive(brief, 0, 2);  // which ended where it began, and which nothing ties to the rest
+  brief.finish();
+  write(brief);
   const WorldReading reading = read();
   ASSERT_TRUE(reading.world) << reading.wrong;
+  ASSERT_EQ(reading.world->sessions.back().submaps, 1);
   const std::optional<PlaceBySubmap> last = last_place(*reading.world);
   ASSERT_TRUE(last);
   const Pose2 map_T_scan = reading.world->graph.pose(last->submap) * last->submap_T_scan;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "tests/core/graph/graph_drive.hpp"
@@ -30,8 +31,9 @@ const Mapped& mapped() {
 
 /// A second run, which continues that world.
 struct Continued : Drive {
-  explicit Continued(SimulatedScene scene = ring(18.0, 10.0)) : Drive(std::move(scene), {0.002, 0.0, 0.0002}) {
-    EXPECT_TRUE(graph.resume(mapped().graph.world()));
+  explicit Continued(SimulatedScene scene = ring(18.0, 10.0), const SubmapGraph& world = mapped().graph)
+      : Drive(std::move(scene), {0.002, 0.0, 0.0002}) {
+    EXPECT_TRUE(graph.resume(world.world()));
   }
   [[nodiscard]] Pose2 truth() const { return mapped().poses.front().inverse() * poses.back(); }
   /// Of what is known or guessed.
@@ -74,6 +76,27 @@ TEST(Localiser, GuessesWhereARobotAtRestIsByItsFirstScan) {
     }
   }
   EXPECT_GE(guessed, 6);
+}
+
+// A robot at its dock that is switched on and off, and never there for long enough to be found.
+TEST(Localiser, ARunThatEndedWhereItBeganIsNoOtherPlace) {
+  const std::vector<Point2> at_rest{{-10.5, -6.5}, {-10.49, -6.5}};
+  std::vector<std::unique_ptr<Continued>> runs;
+  const SubmapGraph* world = &mapped().graph;
+  for (int i = 0; i < 40; ++i) {
+    runs.push_back(std::make_unique<Continued>(ring(18.0, 10.0), *world));
+    runs.back()->drive(at_rest);
+    ASSERT_TRUE(runs.back()->graph.guess()) << "run " << i;
+    EXPECT_LT(runs.back()->error_m(), 0.15);
+    runs.back()->graph.finish();
+    ASSERT_FALSE(runs.back()->graph.is_joined());
+    world = &runs.back()->graph;
+  }
+  Continued expected(ring(18.0, 10.0), *world);
+  expected.graph.expect(mapped().poses.front().inverse() * Pose2{-10.5, -6.5, 0.0});
+  expected.drive(at_rest);
+  EXPECT_TRUE(expected.graph.is_joined());
+  EXPECT_LT(expected.error_m(), 0.15);
 }
 
 TEST(Localiser, IsSureAfterAWhileAndHasAllOfThePathWhereTheRobotWas) {
