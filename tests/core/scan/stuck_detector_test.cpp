@@ -96,6 +96,7 @@ TEST_F(StuckDetectorTest, QuietScansThatTheSameSceneFollowsAreSuspectOnceOnly) {
     for (int i = 0; i < 10; ++i) {
       detector_.add(scan(3.0 + 0.05 * (10 * halt + i), 0.01));
       EXPECT_FALSE(detector_.is_suspect()) << halt;
+      EXPECT_FALSE(detector_.was_stuck()) << halt;
     }
     for (int i = 0; i < 5; ++i) {
       detector_.add(scan(3.45 + 0.5 * halt, 0.01));
@@ -110,6 +111,7 @@ TEST_F(StuckDetectorTest, QuietScansThatAnotherSceneFollowsAreSuspectAgain) {
   for (int halt = 0; halt < 3; ++halt) {
     for (int i = 0; i < 10; ++i) {
       detector_.add(scan(3.0 + 5.0 * halt + 0.05 * i, 0.01));
+      EXPECT_EQ(detector_.was_stuck(), halt > 0 && i == 0) << halt << ", " << i;
     }
     const std::vector<float> stuck = scan(3.45 + 5.0 * halt, 0.01);
     for (int i = 0; i < 10; ++i) {
